@@ -1,0 +1,19 @@
+//! Foot contacts of a run in scenario space: what the pose solver holds still and the clip promises.
+
+use crate::model::{Side, report::Part};
+use crate::stepper::Plant;
+
+/// One unbroken contact of one part of one foot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FootContact {
+    /// Which foot.
+    pub side: Side,
+    /// Which part of its sole holds.
+    pub part: Part,
+    /// s.
+    pub start: f64,
+    /// s.
+    pub end: f64,
+    /// Where the foot stands (flat) during, before or after it.
+    pub plant: Plant,
+}

@@ -1,0 +1,1 @@
+//! Clips as bytes: the source document with an animation appended, events beside it.

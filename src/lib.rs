@@ -1,0 +1,31 @@
+//! Surefoot: reactive stepping and balance, baked into glTF animation clips.
+//!
+//! START HERE. A file imports only from rows above its own in this table (a test in `tests/architecture.rs` holds it):
+//!
+//! | row | folders | knows |
+//! |---|---|---|
+//! | 0 | [`maths`] | glam only: pendulum formulae, springs, curves, filters, hulls, two-bone IK |
+//! | 1 | [`model`] | plain data: humanoid roles, body, pose, clip, contacts, scenario, report |
+//! | 2 | [`rig`], [`measure`] | glTF/VRM to [`rig::Rig`]; what is true of a motion: slip, ZMP, residual, pops |
+//! | 3 | [`stepper`], [`whole_body`] | the low-dimensional controller; the pose that has its centre of mass and its feet |
+//! | 4 | [`sim`] | the fixed-step session that runs the stepper under a scenario and leaves a trace |
+//! | 5 | [`bake`] | trace to clip: foot curves, reach envelope, ZMP filter, root motion, key reduction |
+//! | 6 | [`export`], [`picture`] | bytes of GLB and events; contact sheets |
+//! | 8 | [`cli`] | the command line; the files on disk |
+//!
+//! Spaces. **Scenario space** is metres, Y up, Z the rig's forward (so X is its left), origin on the ground under the
+//! rig; everything from row 1 to row 5 speaks it unless a name says otherwise. **Document space** is the source file's
+//! own glTF world; [`rig::Rig::document_from_scenario`] leads there. Angles are radians, times seconds, forces newtons;
+//! degrees appear only in files and on screen.
+
+pub mod bake;
+pub mod cli;
+pub mod export;
+pub mod maths;
+pub mod measure;
+pub mod model;
+pub mod picture;
+pub mod rig;
+pub mod sim;
+pub mod stepper;
+pub mod whole_body;

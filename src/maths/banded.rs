@@ -1,0 +1,1 @@
+//! Least squares with banded matrices: long time series, linear cost.

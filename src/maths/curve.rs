@@ -1,0 +1,1 @@
+//! Curves in time: smooth steps, quintics, Bezier.

@@ -1,0 +1,1 @@
+//! Zero-lag low-pass filters of uniformly sampled series.

@@ -1,0 +1,1 @@
+//! Convex hulls in the ground plane and signed distances to them.

@@ -1,0 +1,1 @@
+//! The inverted pendulum in closed form.

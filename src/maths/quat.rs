@@ -1,0 +1,1 @@
+//! Rotations: swing and twist, shortest arcs, angular velocity.

@@ -1,0 +1,1 @@
+//! Damped springs integrated exactly.

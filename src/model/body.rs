@@ -1,0 +1,125 @@
+//! The body that is simulated and posed: humanoid joints, mass segments and soles, in scenario space at rest.
+//!
+//! Metres, kilograms, Y up, Z forward, X left, the ground at y = 0 under the soles. "Rest" is the bind pose of the rig
+//! (whatever it is: T, A, arms down), turned to face +Z and standing on the ground. A pose turns each joint by a
+//! rotation *from rest in scenario axes*, so a rig's local bone axes never matter here. Knows no nodes and no files.
+
+use super::role::Role;
+use glam::{DMat3, DVec2, DVec3};
+
+/// Left or right. Index arrays of two with `side as usize`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Side {
+    /// +X.
+    Left = 0,
+    /// -X.
+    Right = 1,
+}
+
+impl Side {
+    /// Left, then right.
+    pub const BOTH: [Side; 2] = [Side::Left, Side::Right];
+
+    /// The other one.
+    pub fn other(self) -> Side {
+        match self {
+            Side::Left => Side::Right,
+            Side::Right => Side::Left,
+        }
+    }
+
+    /// +1 for left, -1 for right: the sign of X on that side.
+    pub fn sign(self) -> f64 {
+        match self {
+            Side::Left => 1.0,
+            Side::Right => -1.0,
+        }
+    }
+}
+
+/// A humanoid of rigid segments. Joint 0 is the hips; parents come before children.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// Roles found in the rig, and those extrapolated because the body needs them (always: hips, spine, head, upper
+    /// and lower arms and legs, hands, feet). Fingers, eyes and jaw are joints too where the rig has them.
+    pub joints: Vec<BodyJoint>,
+    /// Masses; their sum is `mass`.
+    pub segments: Vec<Segment>,
+    /// Left and right foot.
+    pub feet: [FootShape; 2],
+    /// kg, whole body.
+    pub mass: f64,
+    /// m, ground to the top of the head at rest.
+    pub height: f64,
+    /// m, mean over both legs of hip to knee plus knee to ankle.
+    pub leg_length: f64,
+}
+
+/// One joint of the body.
+#[derive(Clone, Debug)]
+pub struct BodyJoint {
+    /// Its part in the humanoid.
+    pub role: Role,
+    /// Index into `Body::joints`, smaller than its own; `None` for the hips only.
+    pub parent: Option<usize>,
+    /// m, scenario space, at rest.
+    pub rest: DVec3,
+    /// False where no node of the rig moves with it (an extrapolated hand, foot or toe): then it must keep its parent's
+    /// rotation, since no clip could show another.
+    pub animated: bool,
+}
+
+/// A rigid mass that moves with one joint (de Leva 1996).
+#[derive(Clone, Debug)]
+pub struct Segment {
+    /// Index into `Body::joints`.
+    pub joint: usize,
+    /// kg.
+    pub mass: f64,
+    /// m, from the joint to the segment's centre of mass, at rest.
+    pub centre: DVec3,
+    /// kg m², about the segment's centre of mass, scenario axes, at rest.
+    pub inertia: DMat3,
+}
+
+/// A foot's sole. Offsets from the ankle joint at rest; the ground at rest is `y = -ankle_height` in them.
+#[derive(Clone, Debug)]
+pub struct FootShape {
+    /// Index of the foot (ankle) joint.
+    pub ankle: usize,
+    /// Index of the toe joint, where there is one that a node moves.
+    pub toe: Option<usize>,
+    /// m, ankle joint over the sole.
+    pub ankle_height: f64,
+    /// Unit, horizontal at rest: from heel to toe tip, (x, z).
+    pub forward: DVec2,
+    /// m, along `forward` from the ankle: rearmost point of the sole (negative).
+    pub heel: f64,
+    /// m, along `forward` from the ankle: the line over which the foot bends (the toe joint, or 0.72 of the sole).
+    pub ball: f64,
+    /// m, along `forward` from the ankle: foremost point of the sole.
+    pub tip: f64,
+    /// m, half of the sole's width at the ball.
+    pub half_width: f64,
+    /// Sole vertices (from the mesh, thinned; made from the outline where there is no mesh), offset from the ankle at
+    /// rest. Behind the ball line they move with the foot joint.
+    pub rear_sole: Vec<DVec3>,
+    /// Ahead of the ball line they move with the toe joint where there is one (offset still from the ankle).
+    pub front_sole: Vec<DVec3>,
+}
+
+impl Body {
+    /// Index of that role's joint.
+    pub fn joint(&self, role: Role) -> Option<usize> {
+        self.joints.iter().position(|joint| joint.role == role)
+    }
+
+    /// The rest offset of a joint from its parent's joint, m; its own rest position for the hips.
+    pub fn offset(&self, joint: usize) -> DVec3 {
+        match self.joints[joint].parent {
+            Some(parent) => self.joints[joint].rest - self.joints[parent].rest,
+            None => self.joints[joint].rest,
+        }
+    }
+}

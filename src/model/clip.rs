@@ -1,0 +1,60 @@
+//! A baked animation as plain keys on the nodes of a document. Values are in *document* units and each node's local space.
+//!
+//! Keys are f32, as glTF stores them: what is measured on a clip is measured on what a reader will get.
+
+/// An animation clip.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Clip {
+    /// Animation name.
+    pub name: String,
+    /// Hz of the grid that the keys were made on; single keys may lie between.
+    pub fps: f64,
+    /// s; the last key of at least one channel stands here.
+    pub duration: f64,
+    /// Channels; at most one for a (target, path).
+    pub channels: Vec<Channel>,
+}
+
+/// One animated property.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// What moves.
+    pub target: Target,
+    /// s, strictly rising, from 0.
+    pub times: Vec<f32>,
+    /// As many as there are times.
+    pub values: KeyValues,
+    /// How values join between keys.
+    pub interpolation: Interpolation,
+}
+
+/// The node that a channel drives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Target {
+    /// A node of the source document, by its index there.
+    Node(usize),
+    /// The `Root` node that the exporter puts over the scene's roots.
+    NewRoot,
+    /// The helper nodes of the foot contacts.
+    ContactLeft,
+    /// The same for the right foot.
+    ContactRight,
+}
+
+/// Key values by path.
+#[derive(Clone, Debug, PartialEq)]
+pub enum KeyValues {
+    /// Local translation.
+    Translation(Vec<[f32; 3]>),
+    /// Local rotation, unit quaternions x, y, z, w; neighbours on the same hemisphere.
+    Rotation(Vec<[f32; 4]>),
+}
+
+/// glTF interpolation; what Surefoot writes is linear (slerp for rotations) or step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interpolation {
+    /// LINEAR.
+    Linear,
+    /// STEP.
+    Step,
+}

@@ -1,0 +1,15 @@
+//! Plain data, with serde and validation: what the rows above pass to each other. No I/O, no algorithms.
+
+pub mod body;
+pub mod clip;
+pub mod pose;
+pub mod report;
+pub mod role;
+pub mod scenario;
+
+pub use body::{Body, BodyJoint, FootShape, Segment, Side};
+pub use clip::{Channel, Clip, Interpolation, KeyValues, Target};
+pub use pose::BodyPose;
+pub use report::ClipReport;
+pub use role::Role;
+pub use scenario::Scenario;

@@ -1,0 +1,143 @@
+//! What a baked clip says about itself: `animations[i].extras.surefoot`, and the same in `OUT.events.json`.
+//!
+//! Other programs read this: the names and meanings are fixed. World space is glTF's (metres, Y up), times seconds.
+
+use super::body::Side;
+use serde::{Deserialize, Serialize};
+
+/// The whole object.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the names are the file format's own, described in README")]
+pub struct ClipReport {
+    pub version: u32,
+    pub generator: String,
+    pub fps: f64,
+    pub duration: f64,
+    pub seed: u64,
+    pub root_motion: String,
+    pub drive: String,
+    pub scenario: String,
+    pub outcome: Outcome,
+    pub steps: u32,
+    pub body: BodyReport,
+    pub contacts: Vec<Contact>,
+    pub events: Vec<Event>,
+    pub disturbances: Vec<Disturbance>,
+    pub assist: Assist,
+    pub plausibility: Plausibility,
+}
+
+/// How it ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Outcome {
+    /// Nothing moved (less than the measures' 0.05 m/s).
+    Still,
+    /// It moved and kept its feet where they were.
+    Sway,
+    /// It stepped and is standing.
+    Step,
+    /// Balance was lost.
+    Fall,
+}
+
+/// kg and m.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "plain")]
+pub struct BodyReport {
+    pub mass: f64,
+    pub height: f64,
+}
+
+/// The part of a sole that holds the ground.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Part {
+    /// The rearmost point of the sole holds still.
+    Heel,
+    /// The toe joint holds still while the heel is off the ground.
+    Ball,
+    /// Ankle and toe joints hold still.
+    Flat,
+}
+
+/// One unbroken contact of one part of one foot.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Contact {
+    /// Which foot.
+    pub foot: Side,
+    /// Which part of it.
+    pub part: Part,
+    /// s.
+    pub start: f64,
+    /// s.
+    pub end: f64,
+    /// "world" or "platform".
+    pub frame: String,
+    /// A point of the ground plane under the foot, m, document world.
+    pub position: [f64; 3],
+    /// The plane's unit normal.
+    pub normal: [f64; 3],
+    /// mm, largest displacement from the start of the point that the contact holds, at 4 x fps.
+    pub slip_mm: f64,
+}
+
+/// A moment worth a name: foot_down foot_up push_start push_end ball_hit balance_lost balance_regained.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "plain")]
+pub struct Event {
+    pub time: f64,
+    pub name: String,
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub foot: Option<Side>,
+}
+
+/// A disturbance as it was applied. `force`: mean over start..end, N, document world.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "plain")]
+pub struct Disturbance {
+    pub kind: String,
+    pub start: f64,
+    pub end: f64,
+    pub force: [f64; 3],
+    pub bone: String,
+}
+
+/// What the root was given that no contact supplied.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "plain")]
+pub struct Assist {
+    pub peak_nm: f64,
+    pub rms_nm: f64,
+    pub peak_n: f64,
+    pub rms_n: f64,
+}
+
+/// Measured on the exported keys.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Plausibility {
+    /// 0..1, one number over the rest.
+    pub score: f64,
+    /// Share of moving frames with contact whose ZMP is in the support (0.5 cm allowed).
+    pub zmp_inside: f64,
+    /// cm, 95th percentile, over moving frames with contact, of the distance out of the support (0 where inside).
+    pub zmp_outside_p95_cm: f64,
+    /// 99th percentile of tangential over normal force.
+    pub friction_p99: f64,
+    /// Least vertical force over body weight.
+    pub vertical_min: f64,
+    /// RMS missing force, body weights.
+    pub residual_force: f64,
+    /// RMS missing moment, body weights x height.
+    pub residual_moment: f64,
+    /// mm.
+    pub slip_max_mm: f64,
+    /// mm.
+    pub penetration_max_mm: f64,
+    /// m/s.
+    pub peak_ankle_speed: f64,
+    /// Peak change of the centre of mass's speed along the push over impulse / mass; 0 without a push.
+    pub speed_ratio: f64,
+    /// Sentences for a person.
+    pub notes: Vec<String>,
+}

@@ -1,0 +1,46 @@
+//! What a run leaves behind: the state at every tick and the steps with their exact times. Scenario space, SI units.
+
+use crate::stepper::{Plant, Step};
+use glam::{DVec2, DVec3};
+
+/// A finished run. Tick `i` stands at `i * dt` s.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trace {
+    /// s.
+    pub dt: f64,
+    /// Tick states, the first at time 0.
+    pub ticks: Vec<TickState>,
+    /// Steps in the order of their lifts. A swing that the end cut off is not in it.
+    pub steps: Vec<Step>,
+    /// Where the feet stand at time 0: left, right.
+    pub start: [Plant; 2],
+    /// Balance was lost at that time (s): the ticks end there.
+    pub lost: Option<f64>,
+    /// For how long the character had been at rest (DESIGN "at rest") when the run ended, s; 0 while it moves.
+    pub rest: f64,
+}
+
+/// One tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TickState {
+    /// m, centre of mass.
+    pub com: DVec3,
+    /// m/s.
+    pub velocity: DVec3,
+    /// m/s², applied during the tick that ends here.
+    pub acceleration: DVec3,
+    /// m, extrapolated centre of mass c + v/ω on the ground, (x, z).
+    pub xi: DVec2,
+    /// m, centre of pressure, (x, z).
+    pub cop: DVec2,
+    /// N, the disturbances' force during the tick that ends here.
+    pub push: DVec3,
+    /// N m, the moment of that force about the centre of mass.
+    pub push_moment: DVec3,
+    /// Ground point under each ankle (in the air: the height over the ground as y) and where the foot points.
+    pub feet: [Plant; 2],
+    /// Which feet carry.
+    pub planted: [bool; 2],
+    /// rad, where the pelvis should point.
+    pub facing: f64,
+}
