@@ -46,7 +46,8 @@ fn perceive(params: &Params, physique: &Physique, state: &mut State, inputs: &In
     state.settled += dt;
     state.recovering += dt;
     let aim = middle(params, state.facing, ankles(state));
-    if (state.xi(params) - aim).length() > 0.03 * params.size {
+    let shoved = force.length() > 0.08 * physique.mass * GRAVITY;
+    if shoved || (state.xi(params) - aim).length() > 0.03 * params.size {
         state.alarm += dt;
     } else if state.swing.is_none() && state.intent.is_none() {
         state.alarm = 0.0;
@@ -104,15 +105,17 @@ fn choose(params: &Params, physique: &Physique, state: &State) -> Intent {
         let wait = wait.max(params.lag * (1.0 + shift / (0.01 * params.size)).ln());
         let hold = corrective(params, physique, state, side, passing, (wait + swing_time, swing_time));
         let step = ground(hold.plant.ankle).distance(ground(state.feet[side as usize].ankle));
+        let hop = 0.12 * (1.0 - step / (0.2 * params.size)).max(0.0);
         let again = if state.last == Some(side) && state.recovering < params.tempo { 0.06 } else { 0.0 };
         let keep = match state.intent {
             Some(Intent { kind: StepKind::Corrective, side: other, .. }) if other != side => 0.04,
             _ => 0.0,
         };
         let crossing = params.cost_cross * hold.across + if passing == Passing::Own { 0.0 } else { 0.02 * params.size };
-        (hold.miss + 0.15 * hold.off + 0.15 * step + params.cost_speed * hold.speed + crossing) / params.size
+        (hold.miss + 0.35 * hold.off + 0.15 * step + params.cost_speed * hold.speed + crossing) / params.size
             + again
             + keep
+            + hop
     };
     let back = ground(state.velocity).dot(support::forward(state.facing)) < -0.5 * state.velocity.length();
     let over = if back { Passing::Behind } else { Passing::Front };
@@ -151,9 +154,7 @@ fn lift(params: &Params, physique: &Physique, state: &mut State, dt: f64) -> Opt
             let fin = middle_after(params, physique, state, intent.side);
             let pivot = pendulum::pivot_for(xi, fin, params.omega, time);
             let strict = Support::one(params, physique, &stance, Tread::Whole, params.margin);
-            let from_com = ground(state.com) - ground(from.ankle);
-            let trailing = from_com.length() > params.trail && from_com.dot(ground(state.velocity)) > 0.0;
-            if strict.outside(pivot) > 0.0 && !trailing {
+            if strict.outside(pivot) > 0.0 && !trailing(params, physique, state, intent.side) {
                 return None;
             }
             time
@@ -179,6 +180,30 @@ fn lift(params: &Params, physique: &Physique, state: &mut State, dt: f64) -> Opt
     Some(intent.side)
 }
 
+/// Is that foot being left behind, so that it had better come at once, and will both feet hold the fall when it has?
+fn trailing(params: &Params, physique: &Physique, state: &State, side: Side) -> bool {
+    let behind = ground(state.com) - ground(state.feet[side as usize].ankle);
+    let leaving = behind.dot(ground(state.velocity)) > 0.05 * params.trail * params.size / params.tempo;
+    behind.length() > params.trail && leaving && {
+        let slip = followed(params, physique, state, side, params.follow_swing).1;
+        slip.length() < params.margin
+    }
+}
+
+/// The follow-up's landing beside the other foot when it comes `time` s from now, and by how much ξ will then be
+/// outside of both feet, steered as well as may be.
+fn followed(params: &Params, physique: &Physique, state: &State, side: Side, time: f64) -> (Plant, DVec2) {
+    let stance = &state.feet[side.other() as usize];
+    let comfortable = beside(params, physique, state, side);
+    let area = Support::two(params, physique, [stance, &comfortable], [Tread::Whole; 2], 2.0 * params.margin);
+    let sole = Support::one(params, physique, stance, Tread::Whole, params.margin);
+    let fin = middle_after(params, physique, state, side);
+    let xi = state.xi(params);
+    let pivot = sole.nearest(pendulum::pivot_for(xi, fin, params.omega, time));
+    let lands = pivot + (xi - pivot) * (params.omega * time).exp();
+    (comfortable, lands - area.nearest(lands))
+}
+
 /// Aims the swing at where it is needed now; the last quarter flies as planned.
 fn replan(params: &Params, physique: &Physique, state: &mut State) {
     let Some(mut swing) = state.swing else { return };
@@ -189,18 +214,10 @@ fn replan(params: &Params, physique: &Physique, state: &mut State) {
     let left_over = swing.land - state.time;
     let whole = swing.land - swing.lift;
     let needed = corrective(params, physique, state, swing.side, swing.passing, (left_over, whole));
-    let comfortable = beside(params, physique, state, swing.side);
     swing.to = if swing.kind == StepKind::Corrective {
         needed.plant
     } else {
-        let stance = state.feet[swing.side.other() as usize];
-        let area = Support::two(params, physique, [&stance, &comfortable], [Tread::Whole; 2], 2.0 * params.margin);
-        let sole = Support::one(params, physique, &stance, Tread::Whole, params.margin);
-        let fin = middle_after(params, physique, state, swing.side);
-        let xi = state.xi(params);
-        let pivot = sole.nearest(pendulum::pivot_for(xi, fin, params.omega, left_over));
-        let lands = pivot + (xi - pivot) * (params.omega * left_over).exp();
-        let slip = lands - area.nearest(lands);
+        let (comfortable, slip) = followed(params, physique, state, swing.side, left_over);
         Plant { ankle: comfortable.ankle + DVec3::new(slip.x, 0.0, slip.y), ..comfortable }
     };
     let stance = ground(state.feet[swing.side.other() as usize].ankle);
@@ -243,6 +260,9 @@ fn pressure(params: &Params, physique: &Physique, state: &State) -> DVec2 {
         if sole.outside(pivot) <= 0.0 {
             return pivot;
         }
+        if trailing(params, physique, state, intent.side) {
+            return sole.nearest(pivot);
+        }
         let stand = ground(stance.ankle) + support::forward(state.facing) * params.com_forward;
         aim = stand + (fin - stand) * (-params.omega * time).exp();
     }
@@ -257,7 +277,19 @@ fn integrate(params: &Params, physique: &Physique, state: &mut State, inputs: &I
     let rest = rest_height(params, physique, state).min(physique.com_height - state.arc);
     let push = inputs.force / physique.mass;
     let spring = (params.spring * (rest - state.com.y) - params.damper * state.velocity.y) / physique.mass;
-    let lift = spring.clamp(-0.8 * GRAVITY, 1.2 * GRAVITY);
+    let wanted = match &state.swing {
+        // the stance leg gives way until the other one lands and catches
+        Some(swing) if swing.kind == StepKind::Corrective && state.com.y > landing_height(params, physique, state) => {
+            let drop = (physique.com_height - landing_height(params, physique, state)).max(0.0);
+            let time = swing.land - swing.lift;
+            -2.0 * params.give * drop / (time * time)
+        }
+        _ => spring,
+    };
+    let lift =
+        state.lift + (wanted.clamp(-0.7 * GRAVITY, 1.0 * GRAVITY) - state.lift) * (1.0 - (-dt / params.leg_lag).exp());
+    let lift = if lift.abs() < 1e-12 * GRAVITY { 0.0 } else { lift };
+    state.lift = lift;
     let tip = state.tip * (1.0 / (0.2 * params.tempo));
     state.tip -= tip * dt;
     let flat = (ground(state.com) - state.cop) * ((GRAVITY + lift) / state.com.y) + tip;
@@ -290,6 +322,18 @@ fn rest_height(params: &Params, physique: &Physique, state: &State) -> f64 {
         height = height.min(physique.com_height + (allowed - physique.com_height) * weight);
     }
     height.max(0.7 * physique.com_height)
+}
+
+/// The height that the legs will allow when the swing lands.
+fn landing_height(params: &Params, physique: &Physique, state: &State) -> f64 {
+    let Some(swing) = &state.swing else { return physique.com_height };
+    let left_over = (swing.land - state.time).max(0.0);
+    let stance = &state.feet[swing.side.other() as usize];
+    let (com, _) = pendulum::predict(ground(state.com), ground(state.velocity), state.cop, params.omega, left_over);
+    let then = State { com: DVec3::new(com.x, state.com.y, com.y), ..*state };
+    let new = leg_height(params, physique, &then, swing.side, ground(swing.to.ankle));
+    let old = leg_height(params, physique, &then, swing.side.other(), ground(stance.ankle));
+    new.min(old).max(0.7 * physique.com_height)
 }
 
 /// The centre of mass's height with that leg stretched.

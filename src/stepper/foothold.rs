@@ -56,12 +56,17 @@ pub fn corrective(
     let hip = com - ahead * params.com_forward + out * (0.5 * params.width);
     let step = params.ankle_speed * swing_time / swing::PEAK;
     let foot = physique.tip - physique.heel;
+    let short = params.least_step - (wanted - from).dot(direction);
+    let wanted = wanted + direction * short.max(0.0);
     let mut ankle = wanted;
     for _ in 0..2 {
         ankle = within(ankle, hip, params.reach);
         ankle = within(ankle, from, step);
         let relative = ankle - ground(stance.ankle);
         let (beside, before) = (relative.dot(out), relative.dot(ahead));
+        if passing != Passing::Own {
+            ankle += out * (-params.most_across - beside).max(0.0);
+        }
         let clear = clearance(params, foot, beside);
         match passing {
             Passing::Own => ankle += out * (params.gap - beside).max(0.0),

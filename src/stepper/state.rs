@@ -85,6 +85,8 @@ pub struct State {
     pub felt: DVec2,
     /// m/s, speed that the tipping of the trunk has yet to give to the centre of mass, (x, z).
     pub tip: DVec2,
+    /// m/s², upward acceleration that the legs give.
+    pub lift: f64,
     /// m, how far the pendulum's arc has lowered the centre of mass.
     pub arc: f64,
     /// s, since ξ left the inner region; 0 while it has not.
@@ -133,6 +135,7 @@ impl State {
             facing,
             felt: DVec2::ZERO,
             tip: DVec2::ZERO,
+            lift: 0.0,
             arc: 0.0,
             alarm: 0.0,
             settled: 1e3 * params.tempo,
