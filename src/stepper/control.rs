@@ -19,7 +19,7 @@ pub fn tick(params: &Params, physique: &Physique, state: &mut State, inputs: &In
         decide(params, physique, state);
         output.lifted = lift(params, physique, state, dt);
     }
-    replan(params, physique, state);
+    replan(params, physique, state, dt);
     let wanted = pressure(params, physique, state);
     state.cop += (wanted - state.cop) * (1.0 - (-dt / params.lag).exp());
     integrate(params, physique, state, inputs, dt);
@@ -49,7 +49,7 @@ fn perceive(params: &Params, physique: &Physique, state: &mut State, inputs: &In
     let shoved = force.length() > 0.08 * physique.mass * GRAVITY;
     if shoved || (state.xi(params) - aim).length() > 0.03 * params.size {
         state.alarm += dt;
-    } else if state.swing.is_none() && state.intent.is_none() {
+    } else if state.rest >= params.pause && state.intent.is_none() {
         state.alarm = 0.0;
     }
 }
@@ -73,7 +73,8 @@ fn decide(params: &Params, physique: &Physique, state: &mut State) {
         state.intent = None;
         return;
     }
-    if matches!(state.intent, Some(Intent { kind: StepKind::FollowUp | StepKind::Comfort, .. })) {
+    if let Some(intent @ Intent { kind: StepKind::FollowUp | StepKind::Comfort, .. }) = state.intent {
+        state.intent = Some(Intent { committed: may_follow(params, physique, state, &intent), ..intent });
         return;
     }
     let recovering = state.recovering < params.tempo;
@@ -91,7 +92,7 @@ fn decide(params: &Params, physique: &Physique, state: &mut State) {
     } else {
         Side::Right
     };
-    state.intent = Some(Intent { side, kind, passing: Passing::Own });
+    state.intent = Some(Intent { side, kind, passing: Passing::Own, committed: false });
 }
 
 /// The foot whose corrective step serves best, and its way past the other leg.
@@ -126,7 +127,7 @@ fn choose(params: &Params, physique: &Physique, state: &State) -> Intent {
     let (left, right) = (best(Side::Left), best(Side::Right));
     let left_first = if (left.0 - right.0).abs() < 1e-6 { params.lead == Side::Left } else { left.0 < right.0 };
     let (side, passing) = if left_first { (Side::Left, left.1) } else { (Side::Right, right.1) };
-    Intent { side, kind: StepKind::Corrective, passing }
+    Intent { side, kind: StepKind::Corrective, passing, committed: true }
 }
 
 /// Lifts the foot that is meant to step, once it may.
@@ -138,7 +139,6 @@ fn lift(params: &Params, physique: &Physique, state: &mut State, dt: f64) -> Opt
     if state.settled < params.double_support || sole.outside(state.cop) > 0.0 {
         return None;
     }
-    let xi = state.xi(params);
     let swing_time = match intent.kind {
         StepKind::Corrective => {
             if state.alarm < params.reaction && state.recovering > params.tempo {
@@ -149,22 +149,21 @@ fn lift(params: &Params, physique: &Physique, state: &mut State, dt: f64) -> Opt
             let sideways = if intent.passing == Passing::Own { sideways } else { 0.0 };
             params.swing * (1.0 - 0.12 * (speed.length() / 1.5).min(1.0)) * (1.0 - 0.14 * sideways)
         }
-        StepKind::FollowUp | StepKind::Comfort => {
-            let time = if intent.kind == StepKind::Comfort { params.comfort_swing } else { params.follow_swing };
-            let fin = middle_after(params, physique, state, intent.side);
-            let pivot = pendulum::pivot_for(xi, fin, params.omega, time);
-            let strict = Support::one(params, physique, &stance, Tread::Whole, params.margin);
-            if strict.outside(pivot) > 0.0 && !trailing(params, physique, state, intent.side) {
-                return None;
-            }
-            time
-        }
+        StepKind::FollowUp | StepKind::Comfort if !intent.committed => return None,
+        StepKind::FollowUp => params.follow_swing,
+        StepKind::Comfort => params.comfort_swing,
     };
     let ticks = (swing_time / dt).round().max(2.0);
     let to = if intent.kind == StepKind::Corrective {
         corrective(params, physique, state, intent.side, intent.passing, (ticks * dt, ticks * dt)).plant
     } else {
         beside(params, physique, state, intent.side)
+    };
+    let ahead = support::forward(state.facing);
+    let round = match intent.passing {
+        Passing::Own => swing::round(ground(from.ankle), ground(to.ankle), ground(stance.ankle), -ahead),
+        Passing::Front => ahead,
+        Passing::Behind => -ahead,
     };
     state.swing = Some(Swing {
         side: intent.side,
@@ -174,10 +173,23 @@ fn lift(params: &Params, physique: &Physique, state: &mut State, dt: f64) -> Opt
         from,
         to,
         passing: intent.passing,
-        detour: DVec2::ZERO,
+        round,
+        detour: swing::detour(ground(from.ankle), ground(to.ankle), ground(stance.ankle), round, params.gap),
     });
     state.intent = None;
     Some(intent.side)
+}
+
+/// May the weight go to the stance foot now, for the other one to come beside it? Once it is on its way, a little less
+/// will do, or the two would chase each other.
+fn may_follow(params: &Params, physique: &Physique, state: &State, intent: &Intent) -> bool {
+    let time = if intent.kind == StepKind::Comfort { params.comfort_swing } else { params.follow_swing };
+    let stance = &state.feet[intent.side.other() as usize];
+    let sole = Support::one(params, physique, stance, Tread::Whole, params.margin);
+    let fin = middle_after(params, physique, state, intent.side);
+    let pivot = pendulum::pivot_for(state.xi(params), fin, params.omega, time);
+    let slack = if intent.committed { 0.03 * params.size } else { 0.0 };
+    sole.outside(pivot) <= slack || trailing(params, physique, state, intent.side)
 }
 
 /// Is that foot being left behind, so that it had better come at once, and will both feet hold the fall when it has?
@@ -205,29 +217,28 @@ fn followed(params: &Params, physique: &Physique, state: &State, side: Side, tim
 }
 
 /// Aims the swing at where it is needed now; the last quarter flies as planned.
-fn replan(params: &Params, physique: &Physique, state: &mut State) {
+fn replan(params: &Params, physique: &Physique, state: &mut State, dt: f64) {
     let Some(mut swing) = state.swing else { return };
-    let phase = swing::phase(&swing, state.time);
-    if phase > 0.75 {
+    if swing::phase(&swing, state.time) > 0.75 {
         return;
     }
     let left_over = swing.land - state.time;
     let whole = swing.land - swing.lift;
-    let needed = corrective(params, physique, state, swing.side, swing.passing, (left_over, whole));
-    swing.to = if swing.kind == StepKind::Corrective {
-        needed.plant
+    let stance = ground(state.feet[swing.side.other() as usize].ankle);
+    let wanted = if swing.kind == StepKind::Corrective {
+        corrective(params, physique, state, swing.side, swing.passing, (left_over, whole)).plant
     } else {
         let (comfortable, slip) = followed(params, physique, state, swing.side, left_over);
-        Plant { ankle: comfortable.ankle + DVec3::new(slip.x, 0.0, slip.y), ..comfortable }
+        let ankle = ground(comfortable.ankle) + slip;
+        let out = support::left(state.facing) * swing.side.sign();
+        let ankle = ankle + out * (params.gap - (ankle - stance).dot(out)).max(0.0);
+        Plant { ankle: DVec3::new(ankle.x, 0.0, ankle.y), ..comfortable }
     };
-    let stance = ground(state.feet[swing.side.other() as usize].ankle);
-    let (from, to) = (ground(swing.from.ankle), ground(swing.to.ankle));
-    let side = match swing.passing {
-        Passing::Own => DVec2::ZERO,
-        Passing::Front => support::forward(state.facing),
-        Passing::Behind => -support::forward(state.facing),
-    };
-    swing.detour = swing::detour(from, to, stance, side, params.gap);
+    let most = params.retarget * dt;
+    swing.to.ankle += (wanted.ankle - swing.to.ankle).clamp_length_max(most);
+    swing.to.yaw = wanted.yaw;
+    let detour = swing::detour(ground(swing.from.ankle), ground(swing.to.ankle), stance, swing.round, params.gap);
+    swing.detour += (detour - swing.detour).clamp_length_max(most);
     state.swing = Some(swing);
 }
 
@@ -257,10 +268,7 @@ fn pressure(params: &Params, physique: &Physique, state: &State) -> DVec2 {
         let time = if intent.kind == StepKind::Comfort { params.comfort_swing } else { params.follow_swing };
         let fin = middle_after(params, physique, state, intent.side);
         let pivot = pendulum::pivot_for(xi, fin, params.omega, time);
-        if sole.outside(pivot) <= 0.0 {
-            return pivot;
-        }
-        if trailing(params, physique, state, intent.side) {
+        if intent.committed {
             return sole.nearest(pivot);
         }
         let stand = ground(stance.ankle) + support::forward(state.facing) * params.com_forward;
@@ -270,6 +278,7 @@ fn pressure(params: &Params, physique: &Physique, state: &State) -> DVec2 {
     let error = xi - aim;
     let far = (error.length() / params.inner).min(1.0);
     let awake = (state.alarm / params.delay).min(1.0);
+    let far = if state.intent.is_some() { 1.0 } else { far };
     area.nearest(xi + error * (params.gain * awake * awake * far * far))
 }
 

@@ -43,7 +43,9 @@ pub struct Swing {
     pub to: Plant,
     /// How it passes the stance leg.
     pub passing: Passing,
-    /// m, bulge of its path, to pass the stance leg, (x, z).
+    /// Unit vector (x, z) to the side of the stance ankle on which it passes.
+    pub round: DVec2,
+    /// m, bulge of its path that way, (x, z).
     pub detour: DVec2,
 }
 
@@ -56,6 +58,8 @@ pub struct Intent {
     pub kind: StepKind,
     /// How it will pass the stance leg.
     pub passing: Passing,
+    /// The weight is being shifted: the lift comes as soon as the stance foot carries it.
+    pub committed: bool,
 }
 
 /// Everything that the controller remembers.
