@@ -47,7 +47,7 @@ fn perceive(params: &Params, physique: &Physique, state: &mut State, inputs: &In
     state.recovering += dt;
     let aim = middle(params, state.facing, ankles(state));
     let shoved = force.length() > 0.08 * physique.mass * GRAVITY;
-    if shoved || (state.xi(params) - aim).length() > 0.03 * params.size {
+    if shoved || (state.xi() - aim).length() > 0.03 * params.size {
         state.alarm += dt;
     } else if state.rest >= params.pause && state.intent.is_none() {
         state.alarm = 0.0;
@@ -56,8 +56,8 @@ fn perceive(params: &Params, physique: &Physique, state: &mut State, inputs: &In
 
 /// What to do with both feet down.
 fn decide(params: &Params, physique: &Physique, state: &mut State) {
-    let lean = steady_lean(params, physique, state);
-    let xi = state.xi(params) + lean;
+    let lean = steady_lean(physique, state);
+    let xi = state.xi() + lean;
     let feet = [&state.feet[0], &state.feet[1]];
     let outline = Support::two(params, physique, feet, [Tread::Whole; 2], 0.0);
     let out = match params.trigger {
@@ -187,9 +187,11 @@ fn may_follow(params: &Params, physique: &Physique, state: &State, intent: &Inte
     let stance = &state.feet[intent.side.other() as usize];
     let sole = Support::one(params, physique, stance, Tread::Whole, params.margin);
     let fin = middle_after(params, physique, state, intent.side);
-    let pivot = pendulum::pivot_for(state.xi(params), fin, params.omega, time);
-    let slack = if intent.committed { 0.03 * params.size } else { 0.0 };
-    sole.outside(pivot) <= slack || trailing(params, physique, state, intent.side)
+    let pivot = pendulum::pivot_for(state.xi(), fin, state.omega(), time);
+    if intent.committed {
+        return followed(params, physique, state, intent.side, time).1.length() < 0.04 * params.size;
+    }
+    sole.outside(pivot) <= 0.0 || trailing(params, physique, state, intent.side)
 }
 
 /// Is that foot being left behind, so that it had better come at once, and will both feet hold the fall when it has?
@@ -210,9 +212,9 @@ fn followed(params: &Params, physique: &Physique, state: &State, side: Side, tim
     let area = Support::two(params, physique, [stance, &comfortable], [Tread::Whole; 2], 2.0 * params.margin);
     let sole = Support::one(params, physique, stance, Tread::Whole, params.margin);
     let fin = middle_after(params, physique, state, side);
-    let xi = state.xi(params);
-    let pivot = sole.nearest(pendulum::pivot_for(xi, fin, params.omega, time));
-    let lands = pivot + (xi - pivot) * (params.omega * time).exp();
+    let xi = state.xi();
+    let pivot = sole.nearest(pendulum::pivot_for(xi, fin, state.omega(), time));
+    let lands = pivot + (xi - pivot) * (state.omega() * time).exp();
     (comfortable, lands - area.nearest(lands))
 }
 
@@ -244,18 +246,18 @@ fn replan(params: &Params, physique: &Physique, state: &mut State, dt: f64) {
 
 /// Where the pressure is wanted, inside what carries.
 fn pressure(params: &Params, physique: &Physique, state: &State) -> DVec2 {
-    let lean = steady_lean(params, physique, state);
-    let xi = state.xi(params) + lean;
+    let lean = steady_lean(physique, state);
+    let xi = state.xi() + lean;
     if let Some(swing) = &state.swing {
         let stance = &state.feet[swing.side.other() as usize];
         let sole = Support::one(params, physique, stance, Tread::Whole, params.margin);
         let left_over = (swing.land - state.time).max(0.1 * params.tempo);
         if swing.kind == StepKind::Corrective {
             let fin = foothold::over_foot(params, physique, state, swing.side, swing.passing, &swing.to);
-            return sole.nearest(pendulum::pivot_for(xi, fin, params.omega, left_over));
+            return sole.nearest(pendulum::pivot_for(xi, fin, state.omega(), left_over));
         }
         let fin = middle(params, state.facing, [ground(stance.ankle), ground(swing.to.ankle)]);
-        return sole.nearest(pendulum::pivot_for(xi, fin, params.omega, left_over));
+        return sole.nearest(pendulum::pivot_for(xi, fin, state.omega(), left_over));
     }
     let feet = [&state.feet[0], &state.feet[1]];
     let mut aim = middle(params, state.facing, ankles(state));
@@ -267,12 +269,12 @@ fn pressure(params: &Params, physique: &Physique, state: &State) -> DVec2 {
         }
         let time = if intent.kind == StepKind::Comfort { params.comfort_swing } else { params.follow_swing };
         let fin = middle_after(params, physique, state, intent.side);
-        let pivot = pendulum::pivot_for(xi, fin, params.omega, time);
+        let pivot = pendulum::pivot_for(xi, fin, state.omega(), time);
         if intent.committed {
             return sole.nearest(pivot);
         }
         let stand = ground(stance.ankle) + support::forward(state.facing) * params.com_forward;
-        aim = stand + (fin - stand) * (-params.omega * time).exp();
+        aim = stand + (fin - stand) * (-state.omega() * time).exp();
     }
     let area = Support::two(params, physique, feet, [Tread::Whole; 2], params.margin);
     let error = xi - aim;
@@ -338,7 +340,7 @@ fn landing_height(params: &Params, physique: &Physique, state: &State) -> f64 {
     let Some(swing) = &state.swing else { return physique.com_height };
     let left_over = (swing.land - state.time).max(0.0);
     let stance = &state.feet[swing.side.other() as usize];
-    let (com, _) = pendulum::predict(ground(state.com), ground(state.velocity), state.cop, params.omega, left_over);
+    let (com, _) = pendulum::predict(ground(state.com), ground(state.velocity), state.cop, state.omega(), left_over);
     let then = State { com: DVec3::new(com.x, state.com.y, com.y), ..*state };
     let new = leg_height(params, physique, &then, swing.side, ground(swing.to.ankle));
     let old = leg_height(params, physique, &then, swing.side.other(), ground(stance.ankle));
@@ -384,7 +386,7 @@ fn judge(params: &Params, physique: &Physique, state: &mut State, dt: f64) {
     let com = ground(state.com);
     let slow = state.velocity.length() < 0.05;
     let area = Support::two(params, physique, [&state.feet[0], &state.feet[1]], [Tread::Whole; 2], 0.0);
-    let still = slow && state.swing.is_none() && area.outside(state.xi(params)) <= 0.0;
+    let still = slow && state.swing.is_none() && area.outside(state.xi()) <= 0.0;
     state.rest = if still { state.rest + dt } else { 0.0 };
     let near = Side::BOTH
         .into_iter()

@@ -37,10 +37,10 @@ pub fn corrective(
         None => ground(state.feet[side as usize].ankle),
     };
     let sole = Support::one(params, physique, stance, Tread::Whole, params.margin);
-    let lean = steady_lean(params, physique, state);
-    let pivot = sole.nearest(state.xi(params) + lean) - lean;
+    let lean = steady_lean(physique, state);
+    let pivot = sole.nearest(state.xi() + lean) - lean;
     let (com, velocity) =
-        pendulum::predict(ground(state.com), ground(state.velocity), pivot, params.omega, time.max(0.0));
+        pendulum::predict(ground(state.com), ground(state.velocity), pivot, state.omega(), time.max(0.0));
     let speed = velocity.length();
     let direction = if speed > 1e-9 { velocity / speed } else { DVec2::ZERO };
     let bias = params.leg_bias * (state.com.y - physique.com_height);
@@ -77,10 +77,10 @@ pub fn corrective(
     let plant = Plant { ankle: DVec3::new(ankle.x, 0.0, ankle.y), yaw: state.facing + side.sign() * physique.toe_out };
     let across = (-(ankle - ground(stance.ankle)).dot(out)).max(0.0);
     let stands = Support::two(params, physique, [stance, &plant], [Tread::Whole; 2], params.margin);
-    let xi = state.xi(params) + lean;
+    let xi = state.xi() + lean;
     let fin = over_foot(params, physique, state, side, passing, &plant);
-    let pivot = sole.nearest(pendulum::pivot_for(xi, fin, params.omega, time.max(0.05 * params.tempo)));
-    let caught = pivot + (xi - pivot) * (params.omega * time.max(0.0)).exp();
+    let pivot = sole.nearest(pendulum::pivot_for(xi, fin, state.omega(), time.max(0.05 * params.tempo)));
+    let caught = pivot + (xi - pivot) * (state.omega() * time.max(0.0)).exp();
     let miss = stands.outside(caught).max(0.0);
     Foothold { plant, miss, off: ankle.distance(wanted), speed, across }
 }
@@ -122,8 +122,8 @@ pub fn middle(params: &Params, facing: f64, ankles: [DVec2; 2]) -> DVec2 {
 }
 
 /// How far the centre of pressure must lie ahead of ξ, along the lasting push, to hold against it.
-pub fn steady_lean(params: &Params, physique: &Physique, state: &State) -> DVec2 {
-    state.felt / (physique.mass * params.omega * params.omega)
+pub fn steady_lean(physique: &Physique, state: &State) -> DVec2 {
+    state.felt / (physique.mass * state.omega() * state.omega())
 }
 
 fn within(point: DVec2, centre: DVec2, radius: f64) -> DVec2 {

@@ -59,7 +59,6 @@ pub struct Params {
     // The body's stand.
     pub width: f64,       // m, ankle to ankle
     pub com_forward: f64, // m, centre of mass ahead of the ankles
-    pub omega: f64,       // 1/s, at the standing height
     pub tempo: f64,       // times of the reference body are multiplied by this
     pub size: f64,        // lengths likewise
     // Spring leg.
@@ -139,7 +138,6 @@ impl Params {
             support: style.support,
             width,
             com_forward: physique.com_forward.clamp(physique.heel + 2.0 * margin, physique.tip - 2.0 * margin),
-            omega: (GRAVITY / physique.com_height).sqrt(),
             tempo,
             size,
             spring: 23.6 * weight / physique.leg_length, // 25 kN/m for the reference body

@@ -1,6 +1,7 @@
 //! The controller's state, what it is told each tick and what it says. Plain values, scenario space, SI units.
 
 use super::{Params, Physique, Plant, Step, StepKind, ground, support};
+use crate::maths::pendulum;
 use crate::model::Side;
 use glam::{DVec2, DVec3};
 
@@ -150,9 +151,14 @@ impl State {
         }
     }
 
+    /// 1/s, the pendulum's rate at the present height.
+    pub fn omega(&self) -> f64 {
+        pendulum::rate(self.com.y.max(1e-3))
+    }
+
     /// m, extrapolated centre of mass.
-    pub fn xi(&self, params: &Params) -> DVec2 {
-        ground(self.com) + ground(self.velocity) / params.omega
+    pub fn xi(&self) -> DVec2 {
+        pendulum::extrapolated(ground(self.com), ground(self.velocity), self.omega())
     }
 
     /// Does that foot carry?
