@@ -189,7 +189,7 @@ fn may_follow(params: &Params, physique: &Physique, state: &State, intent: &Inte
     let fin = middle_after(params, physique, state, intent.side);
     let pivot = pendulum::pivot_for(state.xi(), fin, state.omega(), time);
     if intent.committed {
-        return followed(params, physique, state, intent.side, time).1.length() < 0.04 * params.size;
+        return followed(params, physique, state, intent.side, time).1.length() < 0.06 * params.size;
     }
     sole.outside(pivot) <= 0.0 || trailing(params, physique, state, intent.side)
 }
@@ -199,7 +199,7 @@ fn trailing(params: &Params, physique: &Physique, state: &State, side: Side) -> 
     let behind = ground(state.com) - ground(state.feet[side as usize].ankle);
     let leaving = behind.dot(ground(state.velocity)) > 0.05 * params.trail * params.size / params.tempo;
     behind.length() > params.trail && leaving && {
-        let slip = followed(params, physique, state, side, params.follow_swing).1;
+        let slip = followed(params, physique, state, side, params.follow_swing + 2.5 * params.lag).1;
         slip.length() < params.margin
     }
 }
