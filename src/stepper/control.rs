@@ -47,6 +47,8 @@ fn perceive(params: &Params, physique: &Physique, state: &mut State, inputs: &In
     state.recovering += dt;
     let aim = middle(params, state.facing, ankles(state));
     let shoved = force.length() > 0.08 * physique.mass * GRAVITY;
+    state.touch += (force - state.touch) * (1.0 - (-dt / (0.5 * params.sense)).exp());
+    state.pushed = if shoved { state.pushed + dt } else { 0.0 };
     if shoved || (state.xi() - aim).length() > 0.03 * params.size {
         state.alarm += dt;
     } else if state.rest >= params.pause && state.intent.is_none() {
@@ -253,8 +255,8 @@ fn pressure(params: &Params, physique: &Physique, state: &State) -> DVec2 {
         let sole = Support::one(params, physique, stance, Tread::Whole, params.margin);
         let left_over = (swing.land - state.time).max(0.1 * params.tempo);
         if swing.kind == StepKind::Corrective {
-            let fin = foothold::over_foot(params, physique, state, swing.side, swing.passing, &swing.to);
-            return sole.nearest(pendulum::pivot_for(xi, fin, state.omega(), left_over));
+            let fin = foothold::over_foot(params, state, swing.side, swing.passing, &swing.to);
+            return foothold::braking(params, state, swing.passing, &sole, (xi, fin), left_over);
         }
         let fin = middle(params, state.facing, [ground(stance.ankle), ground(swing.to.ankle)]);
         return sole.nearest(pendulum::pivot_for(xi, fin, state.omega(), left_over));

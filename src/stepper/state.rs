@@ -88,6 +88,10 @@ pub struct State {
     pub facing: f64,
     /// N, the push as it is felt, (x, z).
     pub felt: DVec2,
+    /// N, the push of this moment as the skin feels it, (x, z).
+    pub touch: DVec2,
+    /// s, how long it has lasted.
+    pub pushed: f64,
     /// m/s, speed that the tipping of the trunk has yet to give to the centre of mass, (x, z).
     pub tip: DVec2,
     /// m/s², upward acceleration that the legs give.
@@ -139,6 +143,8 @@ impl State {
             intent: None,
             facing,
             felt: DVec2::ZERO,
+            touch: DVec2::ZERO,
+            pushed: 0.0,
             tip: DVec2::ZERO,
             lift: 0.0,
             arc: 0.0,
