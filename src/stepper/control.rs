@@ -291,16 +291,16 @@ fn integrate(params: &Params, physique: &Physique, state: &mut State, inputs: &I
     let push = inputs.force / physique.mass;
     let spring = (params.spring * (rest - state.com.y) - params.damper * state.velocity.y) / physique.mass;
     let wanted = match &state.swing {
-        // the stance leg gives way until the other one lands and catches
-        Some(swing) if swing.kind == StepKind::Corrective && state.com.y > landing_height(params, physique, state) => {
-            let drop = (physique.com_height - landing_height(params, physique, state)).max(0.0);
-            let time = swing.land - swing.lift;
-            -2.0 * params.give * drop / (time * time)
+        // the stance leg gives way, so that the fall is caught by the landing foot and not pushed on by the other
+        Some(swing) if swing.kind == StepKind::Corrective => {
+            let left_over = (swing.land - state.time).max(dt);
+            let drop = landing_height(params, physique, state) - state.com.y - state.velocity.y * left_over;
+            (2.0 * params.give * drop / (left_over * left_over)).min(0.0)
         }
         _ => spring,
     };
     let lift =
-        state.lift + (wanted.clamp(-0.7 * GRAVITY, 1.0 * GRAVITY) - state.lift) * (1.0 - (-dt / params.leg_lag).exp());
+        state.lift + (wanted.clamp(-0.35 * GRAVITY, 1.0 * GRAVITY) - state.lift) * (1.0 - (-dt / params.leg_lag).exp());
     let lift = if lift.abs() < 1e-12 * GRAVITY { 0.0 } else { lift };
     state.lift = lift;
     let tip = state.tip * (1.0 / (0.2 * params.tempo));
@@ -346,7 +346,7 @@ fn landing_height(params: &Params, physique: &Physique, state: &State) -> f64 {
     let then = State { com: DVec3::new(com.x, state.com.y, com.y), ..*state };
     let new = leg_height(params, physique, &then, swing.side, ground(swing.to.ankle));
     let old = leg_height(params, physique, &then, swing.side.other(), ground(stance.ankle));
-    new.min(old).max(0.7 * physique.com_height)
+    new.min(old).max(0.84 * physique.com_height)
 }
 
 /// The centre of mass's height with that leg stretched.

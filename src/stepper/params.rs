@@ -164,7 +164,7 @@ impl Params {
             across: -0.03 * size,
             pass: 0.16 * size,
             slip_arc: 0.6,
-            give: 0.8,
+            give: 1.0,
             leg_lag: 0.02 * tempo,
             most_across: dial(0.4, 0.45, 0.8) * size,
             least_step: 0.2 * size,
