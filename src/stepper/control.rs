@@ -114,17 +114,30 @@ fn choose(params: &Params, physique: &Physique, state: &State) -> Intent {
             Some(Intent { kind: StepKind::Corrective, side: other, .. }) if other != side => 0.04,
             _ => 0.0,
         };
-        let crossing = params.cost_cross * hold.across + if passing == Passing::Own { 0.0 } else { 0.02 * params.size };
+        let crossing = params.cost_cross * hold.across
+            + match passing {
+                Passing::Own => 0.0,
+                Passing::Front => 0.02 * params.size,
+                Passing::Behind => 0.03 * params.size,
+            };
         (hold.miss + 0.35 * hold.off + 0.15 * step + params.cost_speed * hold.speed + crossing) / params.size
             + again
             + keep
             + hop
     };
-    let back = ground(state.velocity).dot(support::forward(state.facing)) < -0.5 * state.velocity.length();
-    let over = if back { Passing::Behind } else { Passing::Front };
+    // one crossing at a time
+    let apart = ground(state.feet[0].ankle - state.feet[1].ankle).dot(support::left(state.facing));
+    let ways: &[Passing] =
+        if apart > 0.9 * params.gap { &[Passing::Own, Passing::Front, Passing::Behind] } else { &[Passing::Own] };
     let best = |side: Side| {
-        let (own, crossed) = (cost(side, Passing::Own), cost(side, over));
-        if crossed < own { (crossed, over) } else { (own, Passing::Own) }
+        let mut found = (f64::INFINITY, Passing::Own);
+        for &way in ways {
+            let price = cost(side, way);
+            if price < found.0 {
+                found = (price, way);
+            }
+        }
+        found
     };
     let (left, right) = (best(Side::Left), best(Side::Right));
     let left_first = if (left.0 - right.0).abs() < 1e-6 { params.lead == Side::Left } else { left.0 < right.0 };
