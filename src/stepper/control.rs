@@ -118,7 +118,7 @@ fn choose(params: &Params, physique: &Physique, state: &State) -> Intent {
             + match passing {
                 Passing::Own => 0.0,
                 Passing::Front => 0.02 * params.size,
-                Passing::Behind => 0.03 * params.size,
+                Passing::Behind => 0.05 * params.size,
             };
         (hold.miss + 0.35 * hold.off + 0.15 * step + params.cost_speed * hold.speed + crossing) / params.size
             + again

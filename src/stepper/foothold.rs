@@ -51,6 +51,8 @@ pub fn corrective(
     let capture = com + direction * distance + state.felt * (params.pull / weight);
 
     let (ahead, out) = (support::forward(state.facing), support::left(state.facing) * side.sign());
+    let away = capture - middle(params, state.facing, [from, ground(stance.ankle)]);
+    let direction = away.normalize_or_zero();
     let over = (speed / (0.5 * params.size / params.tempo)).min(1.0);
     let outward = if passing == Passing::Own { params.outward } else { params.across };
     let wanted = capture + direction * (params.overshoot * over) + out * outward - ahead * params.com_forward;
