@@ -2,3 +2,5 @@
 
 pub mod contacts;
 pub mod keys;
+
+pub mod feet;

@@ -5,7 +5,7 @@
 //! rotation *from rest in scenario axes*, so a rig's local bone axes never matter here. Knows no nodes and no files.
 
 use super::role::Role;
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DMat3, DQuat, DVec2, DVec3};
 
 /// Left or right. Index arrays of two with `side as usize`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
@@ -92,6 +92,8 @@ pub struct FootShape {
     pub toe: Option<usize>,
     /// m, ankle joint over the sole.
     pub ankle_height: f64,
+    /// Turn from rest that makes the sole level and points it along `forward`; identity where the bind foot is level.
+    pub level: DQuat,
     /// Unit, horizontal at rest: from heel to toe tip, (x, z).
     pub forward: DVec2,
     /// m, along `forward` from the ankle: rearmost point of the sole (negative).
