@@ -339,13 +339,7 @@ impl Scenario {
         Scenario {
             title: "shove from the left".to_owned(),
             seed: 7,
-            push: vec![Push {
-                start: 0.6,
-                duration: 0.2,
-                force: 300.0,
-                toward: Direction::Right,
-                at: Role::Chest,
-            }],
+            push: vec![Push { start: 0.6, duration: 0.2, force: 300.0, toward: Direction::Right, at: Role::Chest }],
             ..Scenario::default()
         }
     }
