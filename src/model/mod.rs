@@ -6,6 +6,9 @@ pub mod pose;
 pub mod report;
 pub mod role;
 pub mod scenario;
+mod scenario_reader;
+pub mod scenario_rules;
+pub mod scenario_text;
 
 pub use body::{Body, BodyJoint, FootShape, Segment, Side};
 pub use clip::{Channel, Clip, Interpolation, KeyValues, Target};
