@@ -19,8 +19,7 @@ impl Spring {
         let offset = self.x - target;
         let b = (self.v + zeta * omega * offset) / damped;
         self.x = target + decay * (offset * cos + b * sin);
-        self.v = decay
-            * ((b * damped - zeta * omega * offset) * cos - (offset * damped + zeta * omega * b) * sin);
+        self.v = decay * ((b * damped - zeta * omega * offset) * cos - (offset * damped + zeta * omega * b) * sin);
     }
 }
 

@@ -50,7 +50,9 @@ mod tests {
 
     #[test]
     fn keeps_both_lengths_and_bends_towards_the_pole_under_any_turn() {
-        for turn in [DQuat::IDENTITY, DQuat::from_rotation_y(1.0), DQuat::from_euler(glam::EulerRot::XYZ, 0.4, 1.0, -2.0)] {
+        for turn in
+            [DQuat::IDENTITY, DQuat::from_rotation_y(1.0), DQuat::from_euler(glam::EulerRot::XYZ, 0.4, 1.0, -2.0)]
+        {
             let target = turn * DVec3::new(0.1, -0.6, 0.2);
             let leg = two_bone_ik(DVec3::ZERO, target, 0.42, 0.41, turn * DVec3::Z, 0.999);
             assert!(leg.reached && (leg.end - target).length() < 1e-12, "end");
