@@ -8,7 +8,7 @@
 use super::timeline::Timeline;
 use crate::maths::banded::BandedLeastSquares;
 use crate::maths::hull;
-use crate::measure::{HeldContact, KnownPush, Motion, Track, dynamics};
+use crate::measure::{GRAVITY, HeldContact, KnownPush, Motion, Track, dynamics, support, zmp};
 use crate::model::BodyPose;
 use glam::{DVec2, DVec3};
 
@@ -16,38 +16,35 @@ use glam::{DVec2, DVec3};
 const MARGIN: f64 = 0.012;
 /// Weight of a sample whose ZMP is inside already (outside: 1).
 const INSIDE_WEIGHT: f64 = 0.25;
+/// Share of the body's weight on the ground below which the ZMP says nothing.
+const LEAST_WEIGHT: f64 = 0.2;
 /// Weight of the third difference, at 10 ms.
-const SMOOTHNESS: f64 = 3e4;
+const SMOOTHNESS: f64 = 1e6;
 
 /// One pass: adds to `timeline.shift`; returns the largest distance of the ZMP out of the support before it, m.
 pub fn pass(timeline: &mut Timeline, poses: &[BodyPose], contacts: &[HeldContact], pushes: &[KnownPush]) -> f64 {
-    let motion = Motion { body: timeline.body, hz: 1.0 / timeline.dt, per_frame: 1, poses };
+    let motion = Motion { body: &timeline.body, hz: 1.0 / timeline.dt, per_frame: 1, poses };
     let Some(track) = Track::new(motion) else { return 0.0 };
     let dynamics = dynamics::dynamics(&track, pushes);
     let count = poses.len();
+    let weight = timeline.body.mass * GRAVITY;
     let mut wanted = vec![DVec2::ZERO; count];
     let mut outside = vec![false; count];
     let mut worst: f64 = 0.0;
     for index in 0..count {
-        let wrench = &dynamics.needed[index];
-        let com = dynamics.com[index];
-        if wrench.force.y < 0.2 * timeline.body.mass * 9.81 {
+        let needed = dynamics.needed[index];
+        let Some(support) = support::support(&track, contacts, index) else { continue };
+        if needed.force.y < LEAST_WEIGHT * weight {
             continue;
         }
-        let zmp = DVec2::new(
-            com.x + (wrench.moment.z - com.y * wrench.force.x) / wrench.force.y,
-            com.z - (wrench.moment.x + com.y * wrench.force.z) / wrench.force.y,
-        );
-        let support = crate::measure::support::support_at(&track, index, contacts);
-        if support.is_empty() {
-            continue;
-        }
-        worst = worst.max(hull::signed_distance(&support, zmp));
-        let inner = hull::shrink(&support, MARGIN);
+        let zmp = zmp::zmp(&support, needed, dynamics.com[index], weight);
+        worst = worst.max(support.outside(zmp));
+        let inner = hull::shrink(&support.hull, MARGIN);
         if !hull::contains(&inner, zmp)
             && let Some(nearest) = hull::closest_point(&inner, zmp)
         {
-            wanted[index] = nearest - zmp;
+            let change = support.in_space(nearest) - support.in_space(zmp);
+            wanted[index] = DVec2::new(change.x, change.z);
             outside[index] = true;
         }
     }
@@ -66,7 +63,7 @@ fn solve(timeline: &Timeline, com: &[DVec3], acceleration: &[DVec3], wanted: &[D
     let axis = |pick: fn(&DVec2) -> f64| {
         let mut system = BandedLeastSquares::new(count, 3);
         for index in 1..count - 1 {
-            let gravity = (9.81 + acceleration[index].y).max(2.0);
+            let gravity = (GRAVITY + acceleration[index].y).max(2.0);
             let a = com[index].y / (gravity * dt2);
             let weight = if outside[index] { 1.0 } else { INSIDE_WEIGHT };
             system.equation(index - 1, &[-a, 1.0 + 2.0 * a, -a], pick(&wanted[index]), weight);

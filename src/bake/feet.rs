@@ -24,6 +24,7 @@ struct FootPath {
     start: Plant,
     swings: Vec<Swing>,
     level: DQuat,              // turn from rest that levels the sole, pointing along rest_yaw
+    toe_level: DQuat,          // the same for the toes
     rest_yaw: f64,             // rad
     pivot: DVec3,              // toe joint (or tip) from the ankle, levelled, foot pointing along +Z
     heel: DVec3,               // rearmost sole point likewise
@@ -96,11 +97,19 @@ impl FootPath {
             None => DVec3::new(0.0, -shape.ankle_height, shape.tip),
         };
         let mut soles: Vec<(DVec3, bool)> = shape.rear_sole.iter().map(|vertex| (levelled(*vertex), false)).collect();
-        soles.extend(shape.front_sole.iter().map(|vertex| (levelled(*vertex), shape.toe.is_some())));
+        let yaw_away = DQuat::from_rotation_y(-rest_yaw);
+        soles.extend(shape.front_sole.iter().map(|vertex| match shape.toe {
+            Some(toe) => {
+                let joint = body.joints[toe].rest - body.joints[shape.ankle].rest;
+                (levelled(joint) + yaw_away * (shape.toe_level * (*vertex - joint)), true)
+            }
+            None => (levelled(*vertex), false),
+        }));
         let mut path = FootPath {
             start: start[side as usize],
             swings: Vec::new(),
             level: shape.level,
+            toe_level: shape.toe_level,
             rest_yaw,
             pivot,
             heel: rearmost,
@@ -120,12 +129,9 @@ impl FootPath {
 
     fn pose(&self, ankle: DVec3, yaw: f64, pitch: f64, toe_pitch: f64) -> FootTarget {
         let turn = |pitch: f64| {
-            DQuat::from_rotation_y(yaw)
-                * DQuat::from_rotation_x(pitch)
-                * DQuat::from_rotation_y(-self.rest_yaw)
-                * self.level
+            DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch) * DQuat::from_rotation_y(-self.rest_yaw)
         };
-        FootTarget { ankle, foot: turn(pitch), toe: turn(toe_pitch), yaw, soft: 0.0 }
+        FootTarget { ankle, foot: turn(pitch) * self.level, toe: turn(toe_pitch) * self.toe_level, yaw, soft: 0.0 }
     }
 
     /// An offset of the levelled foot, turned.

@@ -13,11 +13,11 @@ use glam::DVec3;
 
 /// Everything that a pose is made of, over the run.
 #[derive(Clone, Debug)]
-pub struct Timeline<'a> {
+pub struct Timeline {
     /// Who moves.
-    pub body: &'a Body,
+    pub body: Body,
     /// Its chains.
-    pub anatomy: &'a Anatomy,
+    pub anatomy: Anatomy,
     /// s between entries of the series.
     pub dt: f64,
     /// m, centre of mass as the stepper has it.
@@ -32,7 +32,7 @@ pub struct Timeline<'a> {
     pub feet: FootCurves,
 }
 
-impl Timeline<'_> {
+impl Timeline {
     /// s, the time of the last entry.
     pub fn duration(&self) -> f64 {
         (self.com.len() - 1) as f64 * self.dt
@@ -62,13 +62,13 @@ impl Timeline<'_> {
 
     /// Poses at every entry, and what each solve reports.
     pub fn solve_all(&self) -> Vec<Solved> {
-        let mut solver = Solver::new(self.body, self.anatomy);
+        let mut solver = Solver::new(&self.body, &self.anatomy);
         (0..self.com.len()).map(|index| solver.solve(&self.target(index))).collect()
     }
 
     /// The pose at any time.
     pub fn pose_at(&self, time: f64) -> BodyPose {
-        Solver::new(self.body, self.anatomy).solve(&self.target_at(time)).pose
+        Solver::new(&self.body, &self.anatomy).solve(&self.target_at(time)).pose
     }
 
     fn assemble(&self, com: DVec3, upper: &UpperAngles, time: f64) -> PoseTarget {

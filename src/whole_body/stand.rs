@@ -36,8 +36,14 @@ pub fn relaxed_arms() -> ArmAngles {
 pub fn flat_foot(body: &Body, side: Side, plant: &Plant) -> FootTarget {
     let shape = &body.feet[side as usize];
     let rest_yaw = shape.forward.x.atan2(shape.forward.y);
-    let foot = DQuat::from_rotation_y(plant.yaw - rest_yaw) * shape.level;
-    FootTarget { ankle: plant.ankle + DVec3::Y * shape.ankle_height, foot, toe: foot, yaw: plant.yaw, soft: 0.0 }
+    let turn = DQuat::from_rotation_y(plant.yaw - rest_yaw);
+    FootTarget {
+        ankle: plant.ankle + DVec3::Y * shape.ankle_height,
+        foot: turn * shape.level,
+        toe: turn * shape.toe_level,
+        yaw: plant.yaw,
+        soft: 0.0,
+    }
 }
 
 /// The stand's target with the feet at those plants, the centre of mass where given, the pelvis facing `facing` (rad).
