@@ -1,0 +1,285 @@
+//! Joints: pops, knees past straight, ranges of motion. Radians, angles from the neutral stand (arms down, legs straight).
+//!
+//! A body's rest is the rig's bind pose, whatever that is; the neutral stand is found from it: the trunk, head, hands
+//! (against the forearm) and feet (against the ground) are neutral as they rest, and the limbs' long bones are turned from straight
+//! down to where they rest by the shortest way. Hips are read as flexion, abduction, rotation about the turned axes
+//! (ISB); shoulder, waist and neck as a swing vector and the twist before it, which has no pole within reach; knees and
+//! elbows about their own hinge; ankles and wrists as a swing, their twist belonging to shank and forearm. The ranges are notes' own
+//! table (standard ranges of motion). A bound gives way to a rest pose that lies beyond it, but for the knee's 0.
+
+use super::Track;
+use super::dynamics::shortest;
+use crate::model::{Body, BodyPose, Role, Side};
+use glam::{DQuat, DVec2, DVec3, dvec3};
+
+/// rad, beyond a bound that is not counted.
+pub const LIMIT_TOLERANCE: f64 = 1.0 * DEGREE;
+/// rad, the least step that can be a pop.
+const POP_LEAST: f64 = 4.0 * DEGREE;
+/// How much larger than its neighbours' a step must be to be one.
+const POP_FACTOR: f64 = 4.0;
+const DEGREE: f64 = std::f64::consts::PI / 180.0;
+
+/// An angle of the body, of that sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Angle {
+    /// Which joint.
+    pub role: Role,
+    /// "flexion", "abduction", "side", "rotation", "twist", "deviation" or "inversion".
+    pub axis: &'static str,
+    /// rad.
+    pub value: f64,
+    /// rad, least and greatest.
+    pub range: [f64; 2],
+}
+
+/// The worst of an angle that leaves its range by more than the tolerance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Excess {
+    /// The angle where it is farthest out.
+    pub angle: Angle,
+    /// rad, how far out.
+    pub by: f64,
+    /// s.
+    pub time: f64,
+}
+
+/// A step of a joint's rotation that its neighbours do not explain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pop {
+    /// Which joint.
+    pub role: Role,
+    /// s, the frame that the step begins at.
+    pub time: f64,
+    /// rad.
+    pub step: f64,
+}
+
+/// What the joints do.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct JointFindings {
+    /// Worst first within a joint's own order; empty is good.
+    pub excesses: Vec<Excess>,
+    /// rad, how far the worse knee bends past straight (0 if it does not; no tolerance taken off).
+    pub knee_past_straight: f64,
+    /// In the order of joints, then of time.
+    pub pops: Vec<Pop>,
+}
+
+/// Measures them.
+pub fn joints(track: &Track) -> JointFindings {
+    let body = track.motion.body;
+    let neutral = Neutral::of(body);
+    let mut bounds: Vec<Angle> = Vec::new();
+    neutral.angles(body, &BodyPose::rest(body), &mut bounds);
+    let mut worst: Vec<Option<Excess>> = vec![None; bounds.len()];
+    let mut found = JointFindings::default();
+    let mut angles: Vec<Angle> = Vec::new();
+    for (sample, pose) in track.motion.poses.iter().enumerate() {
+        angles.clear();
+        neutral.angles(body, pose, &mut angles);
+        for ((angle, rest), worst) in angles.iter().zip(&bounds).zip(&mut worst) {
+            let is_knee = matches!(angle.role, Role::LeftLowerLeg | Role::RightLowerLeg);
+            if is_knee {
+                found.knee_past_straight = found.knee_past_straight.max(-angle.value);
+            }
+            let low = if is_knee { angle.range[0] } else { angle.range[0].min(rest.value) };
+            let high = angle.range[1].max(rest.value);
+            let by = (low - angle.value).max(angle.value - high);
+            if by > LIMIT_TOLERANCE && worst.is_none_or(|worst| by > worst.by) {
+                *worst = Some(Excess { angle: *angle, by, time: track.motion.time(sample) });
+            }
+        }
+    }
+    found.excesses = worst.into_iter().flatten().collect();
+    found.pops = pops(track);
+    found
+}
+
+/// Every angle of the table at a pose.
+pub fn angles(body: &Body, pose: &BodyPose) -> Vec<Angle> {
+    let mut out = Vec::new();
+    Neutral::of(body).angles(body, pose, &mut out);
+    out
+}
+
+/// Frame to frame, each joint against its parent.
+fn pops(track: &Track) -> Vec<Pop> {
+    let motion = track.motion;
+    let mut found = Vec::new();
+    let frames: Vec<&BodyPose> = motion.poses.iter().step_by(motion.per_frame).collect();
+    for (index, joint) in motion.body.joints.iter().enumerate() {
+        let local = |pose: &BodyPose| match joint.parent {
+            Some(parent) => pose.turns[parent].inverse() * pose.turns[index],
+            None => pose.turns[index],
+        };
+        let steps: Vec<f64> =
+            frames.windows(2).map(|pair| angle_of(local(pair[0]).inverse() * local(pair[1]))).collect();
+        for (at, step) in steps.iter().enumerate() {
+            let before = at.checked_sub(2).map(|before| steps[before]);
+            let after = steps.get(at + 2).copied();
+            let Some(around) = before.into_iter().chain(after).reduce(f64::max) else { continue };
+            if *step > POP_LEAST && *step > POP_FACTOR * around {
+                let time = motion.time(at * motion.per_frame);
+                found.push(Pop { role: joint.role, time, step: *step });
+            }
+        }
+    }
+    found
+}
+
+/// rad, of a rotation; exact for small ones.
+fn angle_of(turn: DQuat) -> f64 {
+    2.0 * turn.xyz().length().atan2(turn.w.abs())
+}
+
+/// What the neutral stand of a body is, seen from its rest.
+struct Neutral {
+    thorax: usize,
+    limbs: Vec<Limb>,
+    has_waist: bool,
+    head: Option<usize>,
+}
+
+/// An arm or a leg.
+struct Limb {
+    side: Side,
+    arm: bool,
+    /// Joint indices: upper bone, lower bone, hand or foot, toes.
+    joints: [Option<usize>; 4],
+    /// Neutral to rest, of the upper and the lower bone.
+    rest: [DQuat; 2],
+    /// At rest: the unit axis about which the lower bone bends.
+    hinge: DVec3,
+    /// At rest, unit: upper and lower bone.
+    along: [DVec3; 2],
+    /// Unit, horizontal, where the foot points at rest (legs).
+    forward: DVec3,
+}
+
+impl Neutral {
+    fn of(body: &Body) -> Neutral {
+        let spine = [Role::UpperChest, Role::Chest, Role::Spine];
+        let thorax = spine.iter().find_map(|role| body.joint(*role)).unwrap_or(0);
+        let mut limbs = Vec::new();
+        for arm in [true, false] {
+            for side in Side::BOTH {
+                limbs.extend(Limb::of(body, side, arm));
+            }
+        }
+        Neutral { thorax, limbs, has_waist: thorax != 0, head: body.joint(Role::Head) }
+    }
+
+    /// The same angles in the same order for every pose.
+    fn angles(&self, body: &Body, pose: &BodyPose, out: &mut Vec<Angle>) {
+        let pelvis = pose.turns[0];
+        let thorax = pose.turns[self.thorax];
+        let mut add = |role: Role, axis: &'static str, value: f64, low: f64, high: f64| {
+            out.push(Angle { role, axis, value, range: [low * DEGREE, high * DEGREE] });
+        };
+        if self.has_waist {
+            let (swing, twist) = swing_twist(pelvis.inverse() * thorax, DVec3::Y);
+            add(Role::Spine, "flexion", swing.x, -25.0, 60.0);
+            add(Role::Spine, "side", swing.z, -30.0, 30.0);
+            add(Role::Spine, "twist", twist, -35.0, 35.0);
+        }
+        if let Some(head) = self.head {
+            let (swing, twist) = swing_twist(thorax.inverse() * pose.turns[head], DVec3::Y);
+            add(Role::Head, "flexion", swing.x, -60.0, 60.0);
+            add(Role::Head, "side", swing.z, -45.0, 45.0);
+            add(Role::Head, "twist", twist, -75.0, 75.0);
+        }
+        for limb in &self.limbs {
+            let Some(upper) = limb.joints[0] else { continue };
+            let upper_turn = pose.turns[upper];
+            let role = body.joints[upper].role;
+            let out_sign = limb.side.sign();
+            // From the neutral bone to the posed one, in the trunk's axes.
+            if limb.arm {
+                let (swing, twist) = swing_twist(thorax.inverse() * upper_turn * limb.rest[0], DVec3::Y);
+                add(role, "flexion", -swing.x, -50.0, 170.0);
+                add(role, "abduction", out_sign * swing.z, -40.0, 160.0);
+                add(role, "rotation", -out_sign * twist, -80.0, 80.0);
+            } else {
+                let [flexion, abduction, rotation] = hip_angles(pelvis.inverse() * upper_turn * limb.rest[0], out_sign);
+                add(role, "flexion", flexion, -30.0, 125.0);
+                add(role, "abduction", abduction, -30.0, 45.0);
+                add(role, "rotation", rotation, -45.0, 45.0);
+            }
+            let Some(lower) = limb.joints[1] else { continue };
+            let lower_turn = pose.turns[lower];
+            let (from, to) = (upper_turn * limb.along[0], lower_turn * limb.along[1]);
+            let bend = from.cross(to).dot(upper_turn * limb.hinge).atan2(from.dot(to));
+            let most = if limb.arm { 145.0 } else { 150.0 };
+            add(body.joints[lower].role, "flexion", bend, 0.0, most);
+            let Some(end) = limb.joints[2] else { continue };
+            let end_role = body.joints[end].role;
+            if limb.arm {
+                // Against the forearm, in the axes of the arm that hangs: the palm faces the thigh.
+                let relative = limb.rest[1].inverse() * (lower_turn.inverse() * pose.turns[end]) * limb.rest[1];
+                let (swing, _) = swing_twist(relative, DVec3::Y);
+                add(end_role, "flexion", -out_sign * swing.z, -70.0, 75.0);
+                add(end_role, "deviation", swing.x, -20.0, 35.0);
+            } else {
+                // The foot is neutral where it is flat under an upright shank.
+                let relative = (lower_turn * limb.rest[1]).inverse() * pose.turns[end];
+                let (swing, twist) = swing_twist(relative, DVec3::Y);
+                let forward = DQuat::from_rotation_y(twist) * limb.forward;
+                add(end_role, "flexion", swing.dot(forward.cross(DVec3::Y)), -50.0, 30.0);
+                add(end_role, "inversion", -out_sign * swing.dot(forward), -20.0, 30.0);
+            }
+            if let Some(toes) = limb.joints[3] {
+                let relative = shortest(pose.turns[end].inverse() * pose.turns[toes]).to_scaled_axis();
+                let lift = relative.dot(limb.forward.cross(DVec3::Y));
+                add(body.joints[toes].role, "flexion", lift, -30.0, 60.0);
+            }
+        }
+    }
+}
+
+impl Limb {
+    fn of(body: &Body, side: Side, arm: bool) -> Option<Limb> {
+        let roles = if arm {
+            [Role::LeftUpperArm, Role::LeftLowerArm, Role::LeftHand, Role::LeftHand]
+        } else {
+            [Role::LeftUpperLeg, Role::LeftLowerLeg, Role::LeftFoot, Role::LeftToes]
+        };
+        let find = |role: Role| body.joint(if side == Side::Left { role } else { role.mirrored() });
+        let joints = [find(roles[0]), find(roles[1]), find(roles[2]), if arm { None } else { find(roles[3]) }];
+        let at = |joint: usize| body.joints[joint].rest;
+        let upper = (at(joints[1]?) - at(joints[0]?)).try_normalize()?;
+        let lower = joints[2].and_then(|end| (at(end) - at(joints[1]?)).try_normalize()).unwrap_or(upper);
+        let down = |to: DVec3| DQuat::from_rotation_arc(-DVec3::Y, to);
+        let rest = [down(upper), down(lower)];
+        // Hanging, elbows bend the forearm forwards (about -X) and knees the shank backwards (about +X); a limb that
+        // rests well bent shows its hinge itself.
+        let assumed = rest[0] * if arm { -DVec3::X } else { DVec3::X };
+        let shown = upper.cross(lower);
+        let bent = shown.length() > (8.0 * DEGREE).sin() && shown.dot(assumed) > 0.5 * shown.length();
+        let hinge = if bent { shown.normalize() } else { assumed };
+        let forward = body.feet[side as usize].forward;
+        let forward = dvec3(forward.x, 0.0, forward.y).normalize_or(DVec3::Z);
+        Some(Limb { side, arm, joints, rest, hinge, along: [upper, lower], forward })
+    }
+}
+
+/// A rotation as a swing after a twist about an axis: (the swing's rotation vector, the twist's angle).
+fn swing_twist(turn: DQuat, axis: DVec3) -> (DVec3, f64) {
+    let turn = shortest(turn);
+    let along = turn.xyz().dot(axis);
+    let twist = DQuat::from_xyzw(axis.x * along, axis.y * along, axis.z * along, turn.w);
+    let twist = if twist.length_squared() > 1e-18 { shortest(twist.normalize()) } else { DQuat::IDENTITY };
+    let angle = 2.0 * twist.xyz().dot(axis).atan2(twist.w);
+    (shortest(turn * twist.inverse()).to_scaled_axis(), angle)
+}
+
+/// Flexion, abduction, inward rotation of a thigh that hung straight: R = Rx(-flexion) Rz(abduction) Ry(rotation).
+fn hip_angles(turn: DQuat, out_sign: f64) -> [f64; 3] {
+    let down = turn * -DVec3::Y;
+    let flexion = down.z.atan2(-down.y);
+    let abduction = DVec2::new(down.y, down.z).length();
+    let abduction = down.x.atan2(abduction);
+    let bare = DQuat::from_rotation_x(-flexion) * DQuat::from_rotation_z(abduction);
+    let spin = shortest(bare.inverse() * turn).to_scaled_axis().y;
+    [flexion, out_sign * abduction, -out_sign * spin]
+}
