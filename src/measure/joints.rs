@@ -283,3 +283,145 @@ fn hip_angles(turn: DQuat, out_sign: f64) -> [f64; 3] {
     let spin = shortest(bare.inverse() * turn).to_scaled_axis().y;
     [flexion, out_sign * abduction, -out_sign * spin]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixture;
+    use super::*;
+
+    const D: f64 = DEGREE;
+
+    /// The value (degrees) of an angle at a pose of the fixture.
+    fn degrees(pose: &BodyPose, body: &Body, role: Role, axis: &str) -> f64 {
+        let angles = angles(body, pose);
+        let found = angles.iter().find(|angle| angle.role == role && angle.axis == axis);
+        found.expect("an angle of the table").value / D
+    }
+
+    /// Turns a joint and all below it.
+    fn turn(body: &Body, pose: &mut BodyPose, role: Role, by: DQuat) {
+        let root = body.joint(role).expect("the fixture has it");
+        for joint in root..body.joints.len() {
+            let mut above = Some(joint);
+            while let Some(at) = above {
+                if at == root {
+                    pose.turns[joint] = by * pose.turns[joint];
+                    break;
+                }
+                above = body.joints[at].parent;
+            }
+        }
+    }
+
+    #[test]
+    fn turns_about_anatomical_axes_read_as_their_angles_on_both_sides() {
+        let body = fixture::body();
+        let cases: [(Role, DQuat, &str, f64); 17] = [
+            (Role::LeftUpperLeg, DQuat::from_rotation_x(-0.5), "flexion", 0.5),
+            (Role::LeftUpperLeg, DQuat::from_rotation_z(0.4), "abduction", 0.4),
+            (Role::RightUpperLeg, DQuat::from_rotation_z(-0.4), "abduction", 0.4),
+            (Role::LeftUpperLeg, DQuat::from_rotation_y(-0.3), "rotation", 0.3),
+            (Role::RightUpperLeg, DQuat::from_rotation_y(0.3), "rotation", 0.3),
+            (Role::LeftLowerLeg, DQuat::from_rotation_x(0.9), "flexion", 0.9),
+            (Role::LeftFoot, DQuat::from_rotation_x(-0.3), "flexion", 0.3),
+            (Role::RightFoot, DQuat::from_rotation_x(0.6), "flexion", -0.6),
+            (Role::LeftFoot, DQuat::from_rotation_z(-0.2), "inversion", 0.2),
+            (Role::RightFoot, DQuat::from_rotation_z(0.2), "inversion", 0.2),
+            (Role::LeftToes, DQuat::from_rotation_x(-0.7), "flexion", 0.7),
+            (Role::LeftUpperArm, DQuat::from_rotation_x(-1.5), "flexion", 1.5),
+            (Role::RightUpperArm, DQuat::from_rotation_z(-2.0), "abduction", 2.0),
+            (Role::RightLowerArm, DQuat::from_rotation_x(-1.9), "flexion", 1.9),
+            (Role::LeftHand, DQuat::from_rotation_z(-0.6), "flexion", 0.6),
+            (Role::Spine, DQuat::from_rotation_x(0.4), "flexion", 0.4),
+            (Role::Head, DQuat::from_rotation_y(0.9), "twist", 0.9),
+        ];
+        for (role, by, axis, expected) in cases {
+            // The whole body turned and moved: the angles must not care.
+            for heading in [0.0, 2.0] {
+                let mut pose = BodyPose::rest(&body);
+                turn(&body, &mut pose, role, by);
+                turn(&body, &mut pose, Role::Hips, DQuat::from_rotation_y(heading) * DQuat::from_rotation_x(0.2));
+                let found = degrees(&pose, &body, role, axis);
+                assert!((found - expected / D).abs() < 1e-6, "{role:?} {axis}: {found} for {}", expected / D);
+                let others = angles(&body, &pose);
+                let stray = others.iter().filter(|a| !(a.role == role && a.axis == axis) && a.value.abs() > 1e-6);
+                assert_eq!(stray.count(), 0, "{role:?} {axis} shows in other angles: {others:?}");
+            }
+        }
+    }
+
+    /// The fixture with its rest moved to a T-pose.
+    fn t_posed() -> Body {
+        let body = fixture::body();
+        let mut pose = BodyPose::rest(&body);
+        turn(&body, &mut pose, Role::LeftUpperArm, DQuat::from_rotation_z(90.0 * D));
+        turn(&body, &mut pose, Role::RightUpperArm, DQuat::from_rotation_z(-90.0 * D));
+        let positions = pose.positions(&body);
+        let mut posed = body;
+        for (joint, position) in posed.joints.iter_mut().zip(positions) {
+            joint.rest = position;
+        }
+        posed
+    }
+
+    #[test]
+    fn a_t_pose_reads_as_arms_out_and_lowered_arms_as_none() {
+        let body = t_posed();
+        let mut pose = BodyPose::rest(&body);
+        assert!((degrees(&pose, &body, Role::LeftUpperArm, "abduction") - 90.0).abs() < 1e-6);
+        turn(&body, &mut pose, Role::LeftUpperArm, DQuat::from_rotation_z(-90.0 * D));
+        turn(&body, &mut pose, Role::LeftLowerArm, DQuat::from_rotation_x(-0.7));
+        for axis in ["flexion", "abduction", "rotation"] {
+            assert!(degrees(&pose, &body, Role::LeftUpperArm, axis).abs() < 1e-6);
+        }
+        assert!((degrees(&pose, &body, Role::LeftLowerArm, "flexion") * D - 0.7).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_knee_past_straight_and_an_elbow_bent_backwards_are_found() {
+        let body = fixture::body();
+        let poses = fixture::poses(&body, 9, |pose, sample| {
+            turn(&body, pose, Role::RightLowerLeg, DQuat::from_rotation_x(-0.02 * sample));
+            turn(&body, pose, Role::LeftLowerArm, DQuat::from_rotation_x(0.05 * sample));
+        });
+        let found = joints(&Track::new(fixture::motion(&body, &poses)).expect("sound"));
+        assert!((found.knee_past_straight - 0.16).abs() < 1e-9, "{found:?}");
+        let roles: Vec<Role> = found.excesses.iter().map(|excess| excess.angle.role).collect();
+        assert_eq!(roles, [Role::LeftLowerArm, Role::RightLowerLeg]);
+        assert!((found.excesses[0].by - 0.4).abs() < 1e-9 && (found.excesses[0].time - 8.0 / 120.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_foot_twisted_under_a_bent_leg_is_past_its_inversion() {
+        let body = fixture::body();
+        let poses = fixture::poses(&body, 2, |pose, _| {
+            turn(&body, pose, Role::LeftFoot, DQuat::from_rotation_z(-45.0 * D));
+        });
+        let found = joints(&Track::new(fixture::motion(&body, &poses)).expect("sound"));
+        assert_eq!(found.excesses.len(), 1, "{found:?}");
+        assert!((found.excesses[0].by - 15.0 * D).abs() < 1e-9, "{found:?}");
+    }
+
+    #[test]
+    fn one_frames_jerk_is_a_pop_and_a_fast_swing_is_not() {
+        let body = fixture::body();
+        let swing = |jerk: f64| {
+            fixture::poses(&body, 121, |pose, sample| {
+                let time = sample / 120.0;
+                let mut bend = 1.2 - 1.2 * (4.0 * time).cos();
+                if (0.5 - 1e-9..0.5333).contains(&time) {
+                    bend += jerk * (time - 0.5) * 30.0;
+                } else if time >= 0.5333 {
+                    bend += jerk;
+                }
+                turn(&body, pose, Role::LeftLowerLeg, DQuat::from_rotation_x(bend));
+            })
+        };
+        let found = |jerk: f64| joints(&Track::new(fixture::motion(&body, &swing(jerk))).expect("sound")).pops;
+        assert!(found(0.0).is_empty(), "{:?}", found(0.0));
+        let pops = found(1.0);
+        assert!(pops.len() == 1 && pops[0].role == Role::LeftLowerLeg, "{pops:?}");
+        assert!((pops[0].time - 0.5).abs() < 1e-6, "{pops:?}");
+        assert!(found(0.2).is_empty(), "a fast knee hides it: {:?}", found(0.2));
+    }
+}

@@ -144,3 +144,107 @@ fn others_than_feet(track: &Track) -> Vec<usize> {
     let joints = track.motion.body.joints.iter().enumerate();
     joints.filter(|(_, joint)| !feet.contains(&joint.role)).map(|(index, _)| index).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::support::support;
+    use super::super::{PushPoint, dynamics::dynamics, fixture};
+    use super::*;
+    use crate::model::{Body, BodyPose};
+
+    fn judged(body: &Body, poses: &[BodyPose], contacts: &[HeldContact], pushes: &[KnownPush]) -> Balance {
+        let track = Track::new(fixture::motion(body, poses)).expect("sound");
+        let dynamics = dynamics(&track, pushes);
+        let supports: Vec<_> = (0..track.len()).map(|sample| support(&track, contacts, sample)).collect();
+        balance(&track, &dynamics, &supports, contacts, pushes, None)
+    }
+
+    fn push(start: f64, end: f64) -> KnownPush {
+        KnownPush { start, end, force: DVec3::X * 200.0, at: PushPoint::Centre }
+    }
+
+    #[test]
+    fn a_body_that_sways_and_stops_has_recovered() {
+        let body = fixture::body();
+        let poses = fixture::poses(&body, 481, |pose, sample| {
+            let u = ((sample / 120.0 - 1.0) / 1.0).clamp(0.0, 1.0);
+            pose.hips.x += 0.05 * 16.0 * u * u * (1.0 - u) * (1.0 - u);
+        });
+        let found = judged(&body, &poses, &fixture::standing(), &[push(1.0, 1.2)]);
+        assert!(found.moved && found.recovered && found.fallen.is_none(), "{found:?}");
+        let rest = found.rest_from.expect("it rests");
+        assert!((1.7..2.1).contains(&rest), "{rest}");
+        assert_eq!((found.outcome(0), found.outcome(2)), (Outcome::Sway, Outcome::Step));
+        // Cut off 0.3 s after the sway it has not come to rest.
+        let short = judged(&body, &poses[..268], &fixture::standing(), &[push(1.0, 1.2)]);
+        assert!(short.rest_from.is_none() && !short.recovered, "{short:?}");
+    }
+
+    #[test]
+    fn on_one_foot_nobody_rests() {
+        let body = fixture::body();
+        let poses = fixture::poses(&body, 240, |_, _| {});
+        let found = judged(&body, &poses, &[fixture::flat(Side::Left, 0.0, 9.0)], &[]);
+        assert!(found.rest_from.is_none() && !found.moved, "{found:?}");
+    }
+
+    #[test]
+    fn a_body_that_sinks_under_57_percent_has_fallen_and_one_above_has_not() {
+        let body = fixture::body();
+        let stands = fixture::com(&body).y;
+        let mut seen = [0, 0];
+        for drop in [0.30, 0.36, 0.40, 0.44, 0.50, 0.60] {
+            // Squatting on feet that stay: thighs forward, shanks back.
+            let poses = fixture::poses(&body, 240, |pose, sample| {
+                let u = (sample / 120.0).clamp(0.0, 1.0);
+                let sunk = drop * (3.0 * u * u - 2.0 * u * u * u);
+                pose.hips.y -= sunk;
+                let bend = (1.0 - sunk / 0.82).acos();
+                for side in Side::BOTH {
+                    let hip = body.feet[side as usize].ankle - 2;
+                    pose.turns[hip] = glam::DQuat::from_rotation_x(-bend);
+                    pose.turns[hip + 1] = glam::DQuat::from_rotation_x(bend);
+                }
+            });
+            let last = &poses[239];
+            let share = last.centre_of_mass(&body, &last.positions(&body)).y / stands;
+            let fallen = judged(&body, &poses, &fixture::standing(), &[]).fallen;
+            assert_eq!(fallen.is_some(), share < 0.57, "sunk by {drop} to {share}");
+            seen[usize::from(fallen.is_some())] += 1;
+        }
+        assert!(seen[0] >= 2 && seen[1] >= 2, "{seen:?}");
+    }
+
+    #[test]
+    fn a_hand_on_the_ground_is_a_fall() {
+        let mut body = fixture::body();
+        let poses = fixture::poses(&body, 60, |_, _| {});
+        assert!(judged(&body, &poses, &fixture::standing(), &[]).fallen.is_none());
+        let hand = body.joint(Role::LeftHand).expect("a hand");
+        body.joints[hand].rest.y = 0.01;
+        let poses = fixture::poses(&body, 60, |_, _| {});
+        assert_eq!(judged(&body, &poses, &fixture::standing(), &[]).fallen, Some(0.0));
+    }
+
+    #[test]
+    fn a_sliding_body_takes_up_all_of_a_push_and_a_braced_one_half() {
+        let body = fixture::body();
+        let moved = |share: f64, before: f64| {
+            let poses = fixture::poses(&body, 360, |pose, sample| {
+                let t = sample / 120.0;
+                let during = (t - 1.0).clamp(0.0, 0.2);
+                let a = share * 200.0 / body.mass;
+                pose.hips.x += before * t + 0.5 * a * during * during + a * during * (t - 1.2).max(0.0);
+            });
+            let track = Track::new(fixture::motion(&body, &poses)).expect("sound");
+            speed_ratio(&track, &dynamics(&track, &[]), &[push(1.0, 1.2)]).expect("a push")
+        };
+        assert!((moved(1.0, 0.0) - 1.0).abs() < 0.03, "{}", moved(1.0, 0.0));
+        assert!((moved(0.5, 0.0) - 0.5).abs() < 0.03, "{}", moved(0.5, 0.0));
+        assert!((moved(1.0, 1.5) - 1.0).abs() < 0.03, "a walk before it does not count: {}", moved(1.0, 1.5));
+        let body = fixture::body();
+        let poses = fixture::poses(&body, 360, |_, _| {});
+        let track = Track::new(fixture::motion(&body, &poses)).expect("sound");
+        assert_eq!(speed_ratio(&track, &dynamics(&track, &[]), &[push(0.0, 3.0)]), None, "a pull has none");
+    }
+}

@@ -11,7 +11,7 @@ use super::outcome::{Balance, balance, speed_ratio};
 use super::residual::{Units, residual};
 use super::support::{Support, support};
 use super::zmp::{self, ZmpFindings};
-use super::{GRAVITY, HeldContact, KnownPush, MOVING_SPEED, Motion, Track, percentile};
+use super::{HeldContact, KnownPush, MOVING_SPEED, Motion, Track, percentile};
 use crate::model::report::Plausibility;
 
 /// Everything that was found.
@@ -237,13 +237,11 @@ fn ground_forces(dynamics: &Dynamics, supports: &[Option<Support>], units: Units
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixture;
+    use super::super::{GRAVITY, fixture};
     use super::*;
     use crate::model::Side;
     use glam::DVec3;
     use std::f64::consts::TAU;
-
-    const HEIGHT_OVER: f64 = GRAVITY;
 
     #[test]
     fn a_still_stand_is_beyond_reproach() {
@@ -266,11 +264,11 @@ mod tests {
     fn pendulum(reach: f64) -> (crate::model::Body, Vec<crate::model::BodyPose>, Vec<f64>) {
         let body = fixture::body();
         let height = fixture::com(&body).y;
-        let omega_squared = HEIGHT_OVER / height;
+        let omega_squared = GRAVITY / height;
         // c = A sin² gives p = c - c''/ω².
         let w = TAU * 0.4;
         let along = |time: f64| (0.5 - 0.5 * (w * time).cos(), 0.5 * w * w * (w * time).cos());
-        let scale = reach / (1.0 + w * w / (2.0 * omega_squared) * 1.0);
+        let scale = reach / (1.0 + w * w / (2.0 * omega_squared));
         let poses = fixture::poses(&body, 601, |pose, sample| pose.hips.x += scale * along(sample / 120.0).0);
         let pressure = (0..601)
             .map(|sample| along(f64::from(sample) / 120.0))
@@ -286,10 +284,11 @@ mod tests {
         let track = Track::new(motion).expect("sound");
         let dynamics = dynamics(&track, &[]);
         let z = fixture::com(&body).z;
-        for sample in 0..track.len() {
+        // It starts in mid-acceleration, which the padding of a filter cannot know: a quarter of a second is left out.
+        for (sample, pressure) in pressure.iter().enumerate().take(track.len() - 30).skip(30) {
             let support = support(&track, &fixture::standing(), sample).expect("in contact");
             let found = zmp::zmp(&support, dynamics.needed[sample], dynamics.com[sample], body.mass * GRAVITY);
-            assert!((found.x - pressure[sample]).abs() < 0.002, "{sample}: {found} against {}", pressure[sample]);
+            assert!((found.x - pressure).abs() < 0.002, "{sample}: {found} against {pressure}");
             assert!((found.y - z).abs() < 0.002, "{sample}: {found}");
         }
     }
@@ -297,8 +296,7 @@ mod tests {
     #[test]
     fn a_pelvis_25_cm_off_its_feet_has_its_pressure_outside() {
         let body = fixture::body();
-        // The whole body drifts 25 cm sideways over the second between 1 and 2 s; the claimed feet move with it, so the
-        // contact is put where they were by holding the support of the right foot alone.
+        // The pelvis goes 25 cm sideways between 1 and 2 s, the feet stay.
         let poses = fixture::poses(&body, 360, |pose, sample| {
             let u = (sample / 120.0 - 1.0).clamp(0.0, 1.0);
             pose.hips.x += 0.25 * (3.0 * u * u - 2.0 * u * u * u);
