@@ -4,7 +4,7 @@
 //! first sample of a contact, of any point that the contact holds ([`held_points`]). Frames other than the world
 //! (a platform) are not here: the caller brings the motion into the platform's frame.
 
-use super::support::{held_points, part_points, sole_offset};
+use super::support::{held_points, levelled_point, part_points};
 use super::{HeldContact, Track, percentile};
 use crate::model::{FootShape, Role, Side, report::Part};
 use glam::DVec3;
@@ -160,7 +160,7 @@ fn leg_axis(track: &Track, sample: usize, knee: usize, foot: &FootShape) -> [DVe
     let toe = match foot.toe {
         Some(toe) => positions[toe],
         None => {
-            let offset = sole_offset(foot, foot.ball, 0.0) + DVec3::Y * (foot.ankle_height / 3.0);
+            let offset = levelled_point(foot, foot.ball, 0.0, foot.ankle_height / 3.0);
             track.rigid_point(sample, foot.ankle, offset)
         }
     };

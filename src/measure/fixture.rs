@@ -5,7 +5,7 @@
 
 use super::{HeldContact, Motion};
 use crate::model::{Body, BodyJoint, BodyPose, FootShape, Role, Segment, Side, report::Part};
-use glam::{DMat3, DVec2, DVec3, dvec3};
+use glam::{DMat3, DQuat, DVec2, DVec3, dvec3};
 
 /// The humanoid: 19 joints.
 pub(crate) fn body() -> Body {
@@ -100,6 +100,8 @@ pub(crate) fn body() -> Body {
         FootShape {
             ankle: find(Role::LeftFoot),
             toe: Some(find(Role::LeftToes)),
+            level: DQuat::IDENTITY,
+            toe_level: DQuat::IDENTITY,
             ankle_height: 0.08,
             forward: DVec2::Y,
             heel: -0.06,

@@ -1,8 +1,8 @@
 //! Joints: pops, knees past straight, ranges of motion. Radians, angles from the neutral stand (arms down, legs straight).
 //!
 //! A body's rest is the rig's bind pose, whatever that is; the neutral stand is found from it: the trunk, head, hands
-//! (against the forearm) and feet (against the ground) are neutral as they rest, and the limbs' long bones are turned from straight
-//! down to where they rest by the shortest way. Hips are read as flexion, abduction, rotation about the turned axes
+//! (against the forearm) and feet (laid level) are neutral as they rest, and the limbs' long bones are turned from straight
+//! down to where they rest by the shortest way; a trunk that rests leaning over 6 degrees is set upright. Hips are read as flexion, abduction, rotation about the turned axes
 //! (ISB); shoulder, waist and neck as a swing vector and the twist before it, which has no pole within reach; knees and
 //! elbows about their own hinge; ankles and wrists as a swing, their twist belonging to shank and forearm. The ranges are notes' own
 //! table (standard ranges of motion). A bound gives way to a rest pose that lies beyond it, but for the knee's 0.
@@ -136,6 +136,8 @@ fn angle_of(turn: DQuat) -> f64 {
 /// What the neutral stand of a body is, seen from its rest.
 struct Neutral {
     thorax: usize,
+    /// Rest to neutral, of pelvis and trunk.
+    upright: DQuat,
     limbs: Vec<Limb>,
     has_waist: bool,
     head: Option<usize>,
@@ -153,8 +155,10 @@ struct Limb {
     hinge: DVec3,
     /// At rest, unit: upper and lower bone.
     along: [DVec3; 2],
-    /// Unit, horizontal, where the foot points at rest (legs).
+    /// Unit, horizontal, where the levelled foot points (legs).
     forward: DVec3,
+    /// Level to rest, of foot and toes (legs).
+    level: [DQuat; 2],
 }
 
 impl Neutral {
@@ -167,13 +171,21 @@ impl Neutral {
                 limbs.extend(Limb::of(body, side, arm));
             }
         }
-        Neutral { thorax, limbs, has_waist: thorax != 0, head: body.joint(Role::Head) }
+        // A trunk that rests leaning by more than a few degrees rests in no stand: it is set upright.
+        let middle = |left: Role| {
+            let both = [left, left.mirrored()].map(|role| body.joint(role).map(|joint| body.joints[joint].rest));
+            both[0].zip(both[1]).map(|(left, right)| (left + right) * 0.5)
+        };
+        let trunk = middle(Role::LeftUpperArm).zip(middle(Role::LeftUpperLeg)).map(|(top, bottom)| top - bottom);
+        let lean = trunk.map_or(0.0, |trunk| trunk.z.atan2(trunk.y));
+        let upright = if lean.abs() > 6.0 * DEGREE { DQuat::from_rotation_x(-lean) } else { DQuat::IDENTITY };
+        Neutral { thorax, upright, limbs, has_waist: thorax != 0, head: body.joint(Role::Head) }
     }
 
     /// The same angles in the same order for every pose.
     fn angles(&self, body: &Body, pose: &BodyPose, out: &mut Vec<Angle>) {
-        let pelvis = pose.turns[0];
-        let thorax = pose.turns[self.thorax];
+        let pelvis = pose.turns[0] * self.upright.inverse();
+        let thorax = pose.turns[self.thorax] * self.upright.inverse();
         let mut add = |role: Role, axis: &'static str, value: f64, low: f64, high: f64| {
             out.push(Angle { role, axis, value, range: [low * DEGREE, high * DEGREE] });
         };
@@ -222,14 +234,15 @@ impl Neutral {
                 add(end_role, "deviation", swing.x, -20.0, 35.0);
             } else {
                 // The foot is neutral where it is flat under an upright shank.
-                let relative = (lower_turn * limb.rest[1]).inverse() * pose.turns[end];
+                let relative = (lower_turn * limb.rest[1]).inverse() * pose.turns[end] * limb.level[0];
                 let (swing, twist) = swing_twist(relative, DVec3::Y);
                 let forward = DQuat::from_rotation_y(twist) * limb.forward;
                 add(end_role, "flexion", swing.dot(forward.cross(DVec3::Y)), -50.0, 30.0);
                 add(end_role, "inversion", -out_sign * swing.dot(forward), -20.0, 30.0);
             }
             if let Some(toes) = limb.joints[3] {
-                let relative = shortest(pose.turns[end].inverse() * pose.turns[toes]).to_scaled_axis();
+                let foot = pose.turns[end] * limb.level[0];
+                let relative = shortest(foot.inverse() * pose.turns[toes] * limb.level[1]).to_scaled_axis();
                 let lift = relative.dot(limb.forward.cross(DVec3::Y));
                 add(body.joints[toes].role, "flexion", lift, -30.0, 60.0);
             }
@@ -251,15 +264,17 @@ impl Limb {
         let lower = joints[2].and_then(|end| (at(end) - at(joints[1]?)).try_normalize()).unwrap_or(upper);
         let down = |to: DVec3| DQuat::from_rotation_arc(-DVec3::Y, to);
         let rest = [down(upper), down(lower)];
-        // Hanging, elbows bend the forearm forwards (about -X) and knees the shank backwards (about +X); a limb that
-        // rests well bent shows its hinge itself.
-        let assumed = rest[0] * if arm { -DVec3::X } else { DVec3::X };
-        let shown = upper.cross(lower);
-        let bent = shown.length() > (8.0 * DEGREE).sin() && shown.dot(assumed) > 0.5 * shown.length();
-        let hinge = if bent { shown.normalize() } else { assumed };
-        let forward = body.feet[side as usize].forward;
+        let foot = &body.feet[side as usize];
+        let level = [foot.level.inverse(), foot.toe_level.inverse()];
+        let forward = foot.forward;
         let forward = dvec3(forward.x, 0.0, forward.y).normalize_or(DVec3::Z);
-        Some(Limb { side, arm, joints, rest, hinge, along: [upper, lower], forward })
+        // Hanging, elbows bend the forearm forwards (about -X) and knees the shank backwards from where the foot points;
+        // a limb that rests well bent shows its hinge itself.
+        let assumed = if arm { rest[0] * -DVec3::X } else { DVec3::Y.cross(forward) };
+        let shown = upper.cross(lower);
+        let bent = shown.length() > (15.0 * DEGREE).sin() && shown.dot(assumed) > 0.5 * shown.length();
+        let hinge = if bent { shown.normalize() } else { assumed };
+        Some(Limb { side, arm, joints, rest, hinge, along: [upper, lower], forward, level })
     }
 }
 
@@ -375,6 +390,22 @@ mod tests {
             assert!(degrees(&pose, &body, Role::LeftUpperArm, axis).abs() < 1e-6);
         }
         assert!((degrees(&pose, &body, Role::LeftLowerArm, "flexion") * D - 0.7).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_foot_that_rests_on_tiptoe_is_neutral_where_it_is_level() {
+        let mut body = fixture::body();
+        let lay_flat = DQuat::from_rotation_x(-0.6);
+        body.feet[0].level = lay_flat;
+        body.feet[0].toe_level = DQuat::IDENTITY;
+        let pose = BodyPose::rest(&body);
+        assert!((degrees(&pose, &body, Role::LeftFoot, "flexion") * D + 0.6).abs() < 1e-9);
+        assert!((degrees(&pose, &body, Role::LeftToes, "flexion") * D - 0.6).abs() < 1e-9);
+        let mut pose = pose;
+        let foot = body.feet[0].ankle;
+        pose.turns[foot] = lay_flat;
+        assert!(degrees(&pose, &body, Role::LeftFoot, "flexion").abs() < 1e-9);
+        assert!(degrees(&pose, &body, Role::LeftToes, "flexion").abs() < 1e-9);
     }
 
     #[test]

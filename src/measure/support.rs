@@ -69,6 +69,11 @@ pub fn support(track: &Track, contacts: &[HeldContact], sample: usize) -> Option
     Some(support)
 }
 
+/// The hull alone: (x, z) on level ground; empty in flight.
+pub fn support_at(track: &Track, sample: usize, contacts: &[HeldContact]) -> Vec<DVec2> {
+    support(track, contacts, sample).map(|support| support.hull).unwrap_or_default()
+}
+
 impl Support {
     /// A point's place on the plane, along the normal.
     pub fn on_plane(&self, point: DVec3) -> DVec2 {
@@ -123,7 +128,7 @@ pub fn part_points(track: &Track, sample: usize, side: Side, part: Part, out: &m
             Part::Ball => (foot.ball, foot.tip),
         };
         for (length, width) in [(from, -1.0), (from, 1.0), (to, -1.0), (to, 1.0)] {
-            let offset = sole_offset(foot, length, width * foot.half_width);
+            let offset = levelled_point(foot, length, width * foot.half_width, 0.0);
             out.push(track.rigid_point(sample, foot.ankle, offset));
         }
     }
@@ -139,31 +144,38 @@ pub struct HeldPoint {
 }
 
 /// The points that a contact of that part holds still. Flat: ankle and toe joints; ball: the toe joint; heel: the
-/// rearmost point of the sole. A foot without toe joint has the middle of its ball line, on the sole, instead.
+/// rearmost vertex of the sole. A foot without toe joint turns about the tip of its sole, so that is held instead.
 pub fn held_points(body: &Body, side: Side, part: Part) -> Vec<HeldPoint> {
     let foot = &body.feet[side as usize];
     let ankle = HeldPoint { joint: foot.ankle, offset: DVec3::ZERO };
     let toe = match foot.toe {
         Some(joint) => HeldPoint { joint, offset: DVec3::ZERO },
-        None => HeldPoint { joint: foot.ankle, offset: sole_offset(foot, foot.ball, 0.0) },
+        None => HeldPoint { joint: foot.ankle, offset: levelled_point(foot, foot.tip, 0.0, 0.0) },
     };
     match part {
         Part::Flat => vec![ankle, toe],
         Part::Ball => vec![toe],
-        Part::Heel => vec![HeldPoint { joint: foot.ankle, offset: sole_offset(foot, foot.heel, 0.0) }],
+        Part::Heel => {
+            let vertices = foot.rear_sole.iter().copied();
+            let rearmost = vertices.min_by(|a, b| along(foot, *a).total_cmp(&along(foot, *b)));
+            let offset = rearmost.unwrap_or_else(|| levelled_point(foot, foot.heel, 0.0, 0.0));
+            vec![HeldPoint { joint: foot.ankle, offset }]
+        }
     }
 }
 
-/// m, offset from the ankle at rest of a point of the sole: `length` along the foot, `width` to its left.
-pub fn sole_offset(foot: &FootShape, length: f64, width: f64) -> DVec3 {
+/// m, offset from the ankle at rest of a point that is rigid with the foot joint and, where the foot stands level,
+/// `length` along it, `width` to its left and `height` over its sole.
+pub fn levelled_point(foot: &FootShape, length: f64, width: f64, height: f64) -> DVec3 {
     let left = DVec2::new(foot.forward.y, -foot.forward.x);
     let flat = foot.forward * length + left * width;
-    dvec3(flat.x, -foot.ankle_height, flat.y)
+    foot.level.inverse() * dvec3(flat.x, height - foot.ankle_height, flat.y)
 }
 
-/// m, along the foot from the ankle.
+/// m, along the levelled foot from the ankle, of a vertex that moves with the foot joint.
 fn along(foot: &FootShape, offset: DVec3) -> f64 {
-    foot.forward.dot(DVec2::new(offset.x, offset.z))
+    let levelled = foot.level * offset;
+    foot.forward.dot(DVec2::new(levelled.x, levelled.z))
 }
 
 /// Two unit vectors that span the plane, X and Z for a level one.
