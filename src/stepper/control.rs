@@ -2,7 +2,7 @@
 
 use super::foothold::{self, beside, corrective, middle, steady_lean};
 use super::support::{Support, Tread};
-use super::{Inputs, Intent, Params, Physique, Plant, State, Step, StepKind, Swing, TickOutput, Trigger};
+use super::{Inputs, Intent, Params, Passing, Physique, Plant, State, Step, StepKind, Swing, TickOutput, Trigger};
 use super::{ground, support, swing};
 use crate::maths::pendulum::{self, GRAVITY};
 use crate::model::Side;
@@ -35,6 +35,8 @@ fn perceive(params: &Params, physique: &Physique, state: &mut State, inputs: &In
     let force = ground(inputs.force);
     let slow = if force.length_squared() > state.felt.length_squared() { 0.8 * params.tempo } else { params.sense };
     state.felt += (force - state.felt) * (1.0 - (-dt / slow).exp());
+    let tipping = inputs.moment.cross(DVec3::Y) / (physique.mass * physique.com_height);
+    state.tip += ground(tipping) * (params.tipping * dt);
     if state.felt.length() < 1e-9 * physique.mass {
         state.felt = DVec2::ZERO;
     }
@@ -63,17 +65,19 @@ fn decide(params: &Params, physique: &Physique, state: &mut State) {
     } + params.outer;
     let corrective_now = matches!(state.intent, Some(Intent { kind: StepKind::Corrective, .. }));
     if out > 0.0 || (corrective_now && out > -0.02 * params.size) {
-        let side = choose(params, physique, state);
-        state.intent = Some(Intent { side, kind: StepKind::Corrective });
+        state.intent = Some(choose(params, physique, state));
         return;
     }
-    state.intent = None;
-    let uncomfortable = discomfort(params, physique, state) > 1.0;
-    if !uncomfortable {
+    if discomfort(params, physique, state) <= 1.0 {
+        state.intent = None;
         return;
     }
-    let recovering = state.recovering < 1.2 * params.tempo;
+    if matches!(state.intent, Some(Intent { kind: StepKind::FollowUp | StepKind::Comfort, .. })) {
+        return;
+    }
+    let recovering = state.recovering < params.tempo;
     let kind = if recovering { StepKind::FollowUp } else { StepKind::Comfort };
+    state.intent = None;
     if kind == StepKind::Comfort && state.rest < params.pause {
         return;
     }
@@ -86,35 +90,40 @@ fn decide(params: &Params, physique: &Physique, state: &mut State) {
     } else {
         Side::Right
     };
-    state.intent = Some(Intent { side, kind });
+    state.intent = Some(Intent { side, kind, passing: Passing::Own });
 }
 
-/// The foot whose corrective step serves best.
-fn choose(params: &Params, physique: &Physique, state: &State) -> Side {
-    let cost = |side: Side| {
+/// The foot whose corrective step serves best, and its way past the other leg.
+fn choose(params: &Params, physique: &Physique, state: &State) -> Intent {
+    let cost = |side: Side, passing: Passing| {
         let swing_time = params.swing;
         let wait = (params.reaction - state.alarm).max(params.double_support - state.settled).max(0.0);
         let stance = &state.feet[side.other() as usize];
         let sole = Support::one(params, physique, stance, Tread::Whole, params.margin);
         let shift = sole.outside(state.cop).max(0.0);
         let wait = wait.max(params.lag * (1.0 + shift / (0.01 * params.size)).ln());
-        let hold = corrective(params, physique, state, side, wait + swing_time, swing_time);
+        let hold = corrective(params, physique, state, side, passing, (wait + swing_time, swing_time));
         let step = ground(hold.plant.ankle).distance(ground(state.feet[side as usize].ankle));
         let again = if state.last == Some(side) && state.recovering < params.tempo { 0.06 } else { 0.0 };
         let keep = match state.intent {
-            Some(intent) if intent.kind == StepKind::Corrective && intent.side != side => 0.04,
+            Some(Intent { kind: StepKind::Corrective, side: other, .. }) if other != side => 0.04,
             _ => 0.0,
         };
-        (hold.miss + 0.15 * step) / params.size + again + keep
+        let crossing = params.cost_cross * hold.across + if passing == Passing::Own { 0.0 } else { 0.02 * params.size };
+        (hold.miss + 0.15 * hold.off + 0.15 * step + params.cost_speed * hold.speed + crossing) / params.size
+            + again
+            + keep
     };
-    let (left, right) = (cost(Side::Left), cost(Side::Right));
-    if (left - right).abs() < 1e-6 {
-        params.lead
-    } else if left < right {
-        Side::Left
-    } else {
-        Side::Right
-    }
+    let back = ground(state.velocity).dot(support::forward(state.facing)) < -0.5 * state.velocity.length();
+    let over = if back { Passing::Behind } else { Passing::Front };
+    let best = |side: Side| {
+        let (own, crossed) = (cost(side, Passing::Own), cost(side, over));
+        if crossed < own { (crossed, over) } else { (own, Passing::Own) }
+    };
+    let (left, right) = (best(Side::Left), best(Side::Right));
+    let left_first = if (left.0 - right.0).abs() < 1e-6 { params.lead == Side::Left } else { left.0 < right.0 };
+    let (side, passing) = if left_first { (Side::Left, left.1) } else { (Side::Right, right.1) };
+    Intent { side, kind: StepKind::Corrective, passing }
 }
 
 /// Lifts the foot that is meant to step, once it may.
@@ -134,6 +143,7 @@ fn lift(params: &Params, physique: &Physique, state: &mut State, dt: f64) -> Opt
             }
             let speed = ground(state.velocity) * (params.tempo / params.size);
             let sideways = speed.dot(support::left(state.facing)).abs() / (speed.length() + 1e-9);
+            let sideways = if intent.passing == Passing::Own { sideways } else { 0.0 };
             params.swing * (1.0 - 0.12 * (speed.length() / 1.5).min(1.0)) * (1.0 - 0.14 * sideways)
         }
         StepKind::FollowUp | StepKind::Comfort => {
@@ -151,7 +161,7 @@ fn lift(params: &Params, physique: &Physique, state: &mut State, dt: f64) -> Opt
     };
     let ticks = (swing_time / dt).round().max(2.0);
     let to = if intent.kind == StepKind::Corrective {
-        corrective(params, physique, state, intent.side, ticks * dt, ticks * dt).plant
+        corrective(params, physique, state, intent.side, intent.passing, (ticks * dt, ticks * dt)).plant
     } else {
         beside(params, physique, state, intent.side)
     };
@@ -162,6 +172,7 @@ fn lift(params: &Params, physique: &Physique, state: &mut State, dt: f64) -> Opt
         land: state.time + ticks * dt,
         from,
         to,
+        passing: intent.passing,
         detour: DVec2::ZERO,
     });
     state.intent = None;
@@ -177,7 +188,7 @@ fn replan(params: &Params, physique: &Physique, state: &mut State) {
     }
     let left_over = swing.land - state.time;
     let whole = swing.land - swing.lift;
-    let needed = corrective(params, physique, state, swing.side, left_over, whole);
+    let needed = corrective(params, physique, state, swing.side, swing.passing, (left_over, whole));
     let comfortable = beside(params, physique, state, swing.side);
     swing.to = if swing.kind == StepKind::Corrective {
         needed.plant
@@ -194,7 +205,12 @@ fn replan(params: &Params, physique: &Physique, state: &mut State) {
     };
     let stance = ground(state.feet[swing.side.other() as usize].ankle);
     let (from, to) = (ground(swing.from.ankle), ground(swing.to.ankle));
-    swing.detour = swing::detour(from, to, stance, state.facing, swing.side.sign(), params.gap);
+    let side = match swing.passing {
+        Passing::Own => DVec2::ZERO,
+        Passing::Front => support::forward(state.facing),
+        Passing::Behind => -support::forward(state.facing),
+    };
+    swing.detour = swing::detour(from, to, stance, side, params.gap);
     state.swing = Some(swing);
 }
 
@@ -205,10 +221,11 @@ fn pressure(params: &Params, physique: &Physique, state: &State) -> DVec2 {
     if let Some(swing) = &state.swing {
         let stance = &state.feet[swing.side.other() as usize];
         let sole = Support::one(params, physique, stance, Tread::Whole, params.margin);
-        if swing.kind == StepKind::Corrective {
-            return sole.nearest(xi);
-        }
         let left_over = (swing.land - state.time).max(0.1 * params.tempo);
+        if swing.kind == StepKind::Corrective {
+            let fin = foothold::over_foot(params, physique, state, swing.side, swing.passing, &swing.to);
+            return sole.nearest(pendulum::pivot_for(xi, fin, params.omega, left_over));
+        }
         let fin = middle(params, state.facing, [ground(stance.ankle), ground(swing.to.ankle)]);
         return sole.nearest(pendulum::pivot_for(xi, fin, params.omega, left_over));
     }
@@ -232,19 +249,30 @@ fn pressure(params: &Params, physique: &Physique, state: &State) -> DVec2 {
     let area = Support::two(params, physique, feet, [Tread::Whole; 2], params.margin);
     let error = xi - aim;
     let far = (error.length() / params.inner).min(1.0);
-    area.nearest(xi + error * (params.gain * far * far))
+    let awake = (state.alarm / params.delay).min(1.0);
+    area.nearest(xi + error * (params.gain * awake * awake * far * far))
 }
 
 fn integrate(params: &Params, physique: &Physique, state: &mut State, inputs: &Inputs, dt: f64) {
-    let rest = rest_height(params, physique, state);
+    let rest = rest_height(params, physique, state).min(physique.com_height - state.arc);
     let push = inputs.force / physique.mass;
     let spring = (params.spring * (rest - state.com.y) - params.damper * state.velocity.y) / physique.mass;
     let lift = spring.clamp(-0.8 * GRAVITY, 1.2 * GRAVITY);
-    let flat = (ground(state.com) - state.cop) * ((GRAVITY + lift) / state.com.y);
+    let tip = state.tip * (1.0 / (0.2 * params.tempo));
+    state.tip -= tip * dt;
+    let flat = (ground(state.com) - state.cop) * ((GRAVITY + lift) / state.com.y) + tip;
     let acceleration = DVec3::new(flat.x + push.x, lift + push.y, flat.y + push.z);
     state.com += state.velocity * dt + acceleration * (0.5 * dt * dt);
     state.velocity += acceleration * dt;
     state.acceleration = acceleration;
+    let off = Side::BOTH
+        .into_iter()
+        .filter(|&side| state.planted(side))
+        .map(|side| hip(params, state, side).distance_squared(ground(state.feet[side as usize].ankle)))
+        .fold(f64::INFINITY, f64::min);
+    let height = physique.com_height;
+    let arc = params.slip_arc * (height - (height * height - off.min(0.5 * height * height)).sqrt());
+    state.arc += (arc - state.arc) * (1.0 - (-dt / (0.06 * params.tempo)).exp());
 }
 
 /// The height that the legs allow: each spring's rest length makes up for gravity, the longest is the whole leg.

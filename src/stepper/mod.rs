@@ -12,7 +12,7 @@ mod swing;
 
 pub use control::tick;
 pub use params::{Params, Style, Trigger};
-pub use state::{Inputs, Intent, State, Swing, TickOutput};
+pub use state::{Inputs, Intent, Passing, State, Swing, TickOutput};
 pub use support::{Support, SupportModel};
 
 use crate::model::Side;

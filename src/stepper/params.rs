@@ -86,6 +86,13 @@ pub struct Params {
     pub gap: f64,         // m, sideways between the ankles in a step
     pub outward: f64,     // m, the foot lands this far outside of the point that it must catch
     pub overshoot: f64,   // m, and this far ahead of it
+    pub across: f64,      // m, likewise of a foot that crosses: it lands short, for the other one is to follow
+    pub pass: f64,        // m, a foot that crosses lands so far ahead of or behind the other
+    pub slip_arc: f64,    // share of the pole vault's arc by which the centre of mass sinks beside its foot
+    pub tipping: f64,     // share of a high push's moment that ends up as speed
+    pub delay: f64,       // s, until the ankles answer with their full gain
+    pub cost_speed: f64,  // s, weight of the speed at touchdown in the choice of a foot
+    pub cost_cross: f64,  // share of the crossing
     pub pull: f64,        // m, the paper's k_p
     pub leg_bias: f64,    // of the leg's length error in the step's length
     pub trail: f64,       // m, the trailing foot starts when the centre of mass is so far from it and leaving
@@ -150,6 +157,13 @@ impl Params {
             gap: 0.14 * physique.leg_length,
             outward: 0.045 * size,
             overshoot: 0.02 * size,
+            across: -0.03 * size,
+            pass: 0.16 * size,
+            slip_arc: 0.6,
+            tipping: 0.2,
+            delay: 0.12 * tempo,
+            cost_speed: 0.13 * tempo,
+            cost_cross: 0.2,
             pull: 0.4 * physique.com_height,
             leg_bias: 0.4,
             trail: 0.36 * physique.leg_length,

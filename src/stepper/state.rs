@@ -15,6 +15,17 @@ pub struct Inputs {
     pub facing: f64,
 }
 
+/// How a swinging foot stands to the other leg.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Passing {
+    /// It stays on its own side.
+    Own,
+    /// It crosses over in front of the stance leg.
+    Front,
+    /// It crosses behind it.
+    Behind,
+}
+
 /// A swing in progress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Swing {
@@ -30,7 +41,9 @@ pub struct Swing {
     pub from: Plant,
     /// Where it will land, as planned now.
     pub to: Plant,
-    /// m, sideways bulge of its path, to pass the stance leg, (x, z).
+    /// How it passes the stance leg.
+    pub passing: Passing,
+    /// m, bulge of its path, to pass the stance leg, (x, z).
     pub detour: DVec2,
 }
 
@@ -41,6 +54,8 @@ pub struct Intent {
     pub side: Side,
     /// Why.
     pub kind: StepKind,
+    /// How it will pass the stance leg.
+    pub passing: Passing,
 }
 
 /// Everything that the controller remembers.
@@ -68,8 +83,10 @@ pub struct State {
     pub facing: f64,
     /// N, the push as it is felt, (x, z).
     pub felt: DVec2,
-    /// N m s, angular momentum that a push off the centre of mass gave to the trunk: (about x, about z).
-    pub tilt: DVec2,
+    /// m/s, speed that the tipping of the trunk has yet to give to the centre of mass, (x, z).
+    pub tip: DVec2,
+    /// m, how far the pendulum's arc has lowered the centre of mass.
+    pub arc: f64,
     /// s, since ξ left the inner region; 0 while it has not.
     pub alarm: f64,
     /// s, since both feet are down.
@@ -115,7 +132,8 @@ impl State {
             intent: None,
             facing,
             felt: DVec2::ZERO,
-            tilt: DVec2::ZERO,
+            tip: DVec2::ZERO,
+            arc: 0.0,
             alarm: 0.0,
             settled: 1e3 * params.tempo,
             recovering: 1e3 * params.tempo,

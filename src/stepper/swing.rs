@@ -1,7 +1,7 @@
 //! The swinging foot's way through the air: a cubic Bezier on the ground, bowed around the stance leg, and a lift that
 //! starts and ends at rest. Scenario space, metres.
 
-use super::{Params, Plant, Swing, ground, support};
+use super::{Params, Plant, Swing, ground};
 use glam::{DVec2, DVec3};
 
 /// How far along its way a swing is, 0..1, by the clock.
@@ -19,21 +19,21 @@ pub fn along(params: &Params, swing: &Swing, phase: f64) -> Plant {
     Plant { ankle: DVec3::new(path.x, height, path.y), yaw: swing.from.yaw + (swing.to.yaw - swing.from.yaw) * eased }
 }
 
-/// The bow, (x, z) m, that keeps the path `gap` m away from the stance ankle; zero where the straight way does.
-pub fn detour(from: DVec2, to: DVec2, stance: DVec2, facing: f64, outward: f64, gap: f64) -> DVec2 {
-    let mut near = f64::INFINITY;
-    let mut away = support::left(facing) * outward;
-    for i in 1..8 {
-        let point = from + (to - from) * (i as f64 / 8.0);
-        let distance = point.distance(stance);
-        if distance < near {
-            near = distance;
-            if distance > 0.25 * gap && (point - stance).dot(away) > 0.0 {
-                away = (point - stance) / distance;
-            }
-        }
+/// The bow, (x, z) m, that keeps the path `gap` m away from the stance ankle, towards `side` (a unit vector) or, where
+/// that is zero, towards the side on which the straight way passes; zero where the straight way keeps the gap.
+pub fn detour(from: DVec2, to: DVec2, stance: DVec2, side: DVec2, gap: f64) -> DVec2 {
+    let way = to - from;
+    let share = ((stance - from).dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
+    if share <= 0.05 || share >= 0.95 {
+        return DVec2::ZERO; // nearest at an end, and the ends stand where they may
     }
-    away * (gap - near).max(0.0) * (4.0 / 3.0) // a cubic's middle goes three quarters of the way to its handles
+    let past = from + way * share - stance;
+    let normal = way.perp() / way.length();
+    let sign = if side == DVec2::ZERO { past.dot(normal).signum() } else { side.dot(normal).signum() };
+    let short = gap - past.dot(normal) * sign;
+    // the cubic bows by 3 w u of its handles' bow
+    let bow = 3.0 * share * (1.0 - share);
+    normal * (sign * short.max(0.0) / bow.max(0.35))
 }
 
 /// Peak over mean speed of the easing.
