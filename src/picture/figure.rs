@@ -233,8 +233,10 @@ pub fn sole_outline(body: &Body, side: Side, from: f64, to: f64) -> Vec<DVec3> {
         let end = (share.min(1.0 - share) / 0.14).min(1.0);
         shape.half_width * body * (1.0 - (1.0 - end).powi(2)).max(0.0).sqrt()
     };
-    let stations = 9;
-    let along = |at: usize| from + (to - from) * (at as f64 / (stations - 1) as f64);
+    let stations = 13;
+    // Denser at the ends, where it is round.
+    let share = |at: usize| 0.5 - 0.5 * (std::f64::consts::PI * at as f64 / (stations - 1) as f64).cos();
+    let along = |at: usize| from + (to - from) * share(at);
     let edge = |at: usize, sign: f64| {
         let along = along(at);
         forward * along + across * (sign * half(along)) - DVec3::Y * shape.ankle_height
