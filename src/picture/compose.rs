@@ -62,6 +62,19 @@ impl Default for Layout {
     }
 }
 
+impl Layout {
+    /// Sizes at which that many moments fill a page well.
+    pub fn fitting(count: usize) -> Layout {
+        match count {
+            0..=5 => Layout { columns: count.max(3), view: 320, plan: 120, ..Layout::default() },
+            6..=8 => Layout { columns: count, view: if count < 8 { 270 } else { 240 }, ..Layout::default() },
+            9..=12 => Layout { columns: count.div_ceil(2), ..Layout::default() },
+            13..=16 => Layout { columns: 8, view: 190, ..Layout::default() },
+            _ => Layout { columns: 8, view: 180, plan: 84, ..Layout::default() },
+        }
+    }
+}
+
 /// From where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum View {
@@ -86,6 +99,7 @@ pub fn page(frames: &[Frame], trail: &Trail, header: &Header, layout: &Layout) -
     draw_header(&mut image, header);
     let cell = (layout.width - (columns as u32 - 1)) / columns as u32;
     let sides = [View::Front, View::Side];
+    let told = frames.iter().any(|frame| !frame.overlay.soles.is_empty());
     let cameras = sides.map(|view| cameras(frames, view, cell, layout.view));
     let jobs: Vec<(usize, usize)> = (0..frames.len()).flat_map(|at| [(at, 0), (at, 1)]).collect();
     let pictures: Vec<RgbaImage> = jobs
@@ -104,6 +118,10 @@ pub fn page(frames: &[Frame], trail: &Trail, header: &Header, layout: &Layout) -
         }
         if *side == 0 {
             draw_label(&mut image, x as f32 + 7.0, y as f32 + 5.0, &frames[*at], cell as f32 - 14.0);
+            if told {
+                let corner = DVec2::new(f64::from(x + cell) - 6.0, f64::from(y + layout.view) - 6.0);
+                marks::draw_feet(&mut image, corner, &frames[*at].overlay);
+            }
         }
     }
     if layout.plan > 0 {
@@ -146,13 +164,16 @@ fn cameras(frames: &[Frame], view: View, width: u32, height: u32) -> Vec<Camera>
         View::Front => (DVec3::X, DVec3::Z),
         View::Side => (DVec3::NEG_Z, DVec3::X),
     };
-    let boxes: Vec<(DVec3, DVec3)> = frames.iter().map(|frame| bounds(frame)).collect();
+    let boxes: Vec<(DVec3, DVec3)> = frames.iter().map(bounds).collect();
     let top = boxes.iter().map(|(_, high)| high.y).fold(0.3, f64::max).min(6.0);
     // The widest body decides in both views, so that front and side have one scale.
     let widest = boxes.iter().map(|(low, high)| (high.x - low.x).max(high.z - low.z)).fold(0.3, f64::max).min(8.0);
     let (head_room, foot_room) = (25.0, 15.0);
     let scale = ((f64::from(height) - head_room - foot_room) / top).min((f64::from(width) - 18.0) / widest);
     let room = f64::from(width) / scale - 0.06;
+    // Arrows are seen whole where there is room for them beside the body.
+    let boxes: Vec<(DVec3, DVec3)> =
+        frames.iter().zip(&boxes).map(|(frame, found)| with_arrows(frame, *found, right, room)).collect();
     let follow = |axis: DVec3, room: f64, whole_box: bool| -> Vec<f64> {
         let spans: Vec<(f64, f64)> = boxes
             .iter()
@@ -185,7 +206,7 @@ fn cameras(frames: &[Frame], view: View, width: u32, height: u32) -> Vec<Camera>
         .collect()
 }
 
-/// Of the body and its arrows, m.
+/// Of the body, m.
 fn bounds(frame: &Frame) -> (DVec3, DVec3) {
     let mut low = DVec3::INFINITY;
     let mut high = DVec3::NEG_INFINITY;
@@ -198,6 +219,17 @@ fn bounds(frame: &Frame) -> (DVec3, DVec3) {
         return (DVec3::new(middle.x - 0.4, 0.0, middle.y - 0.4), DVec3::new(middle.x + 0.4, 1.8, middle.y + 0.4));
     }
     (low, high)
+}
+
+/// The body's box, stretched by its arrows as far as there is room along `right`.
+fn with_arrows(frame: &Frame, (low, high): (DVec3, DVec3), right: DVec3, room: f64) -> (DVec3, DVec3) {
+    let ends = frame.overlay.pushes.iter().map(|push| marks::arrow_ends(push, &frame.surfaces).0);
+    ends.fold((low, high), |(low, high), end| {
+        let along = right * (end.dot(right) - low.dot(right)) + low;
+        let (wide_low, wide_high) = (low.min(along), high.max(along));
+        let fits = ((wide_high - wide_low).dot(right)).abs() <= room;
+        if fits { (wide_low, wide_high) } else { (low, high) }
+    })
 }
 
 /// Time and what happens.

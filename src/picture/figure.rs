@@ -181,13 +181,19 @@ fn foot(body: &Body, pose: &BodyPose, positions: &[DVec3], side: Side, color: [f
     let place =
         |along: f64, out: f64, height: f64| forward * along + across * out + DVec3::Y * (height - shape.ankle_height);
     let ankle_turn = pose.turns[shape.ankle];
-    let rear = |offset: DVec3| ankle + ankle_turn * offset;
-    let front = |offset: DVec3| match shape.toe {
-        Some(toe) => {
-            positions[toe] + pose.turns[toe] * (offset - (body.joints[toe].rest - body.joints[shape.ankle].rest))
+    let posed = |levelled: DVec3, toes: bool| {
+        // A hair's breadth decides on which side of the ball line a corner lies: the wedge says so.
+        let nudge = forward * if toes { 1e-6 } else { -1e-6 };
+        let (offset, by_toe) = unlevelled(body, side, levelled + nudge);
+        match shape.toe.filter(|_| by_toe) {
+            Some(toe) => {
+                positions[toe] + pose.turns[toe] * (offset - (body.joints[toe].rest - body.joints[shape.ankle].rest))
+            }
+            None => ankle + ankle_turn * offset,
         }
-        None => rear(offset),
     };
+    let rear = |levelled: DVec3| posed(levelled, false);
+    let front = |levelled: DVec3| posed(levelled, true);
     let half = shape.half_width;
     let (heel, ball, tip) = (shape.heel, shape.ball, shape.tip);
     let high = shape.ankle_height;
@@ -220,7 +226,7 @@ fn foot(body: &Body, pose: &BodyPose, positions: &[DVec3], side: Side, color: [f
     vec![rear_wedge, front_wedge]
 }
 
-/// An outline of a part of a sole on the ground at rest: offsets from the ankle, closed, convex.
+/// An outline of a part of a sole, levelled: offsets from the ankle, closed, convex.
 pub fn sole_outline(body: &Body, side: Side, from: f64, to: f64) -> Vec<DVec3> {
     let shape = &body.feet[side as usize];
     let forward = DVec3::new(shape.forward.x, 0.0, shape.forward.y);
@@ -233,13 +239,29 @@ pub fn sole_outline(body: &Body, side: Side, from: f64, to: f64) -> Vec<DVec3> {
         let end = (share.min(1.0 - share) / 0.14).min(1.0);
         shape.half_width * body * (1.0 - (1.0 - end).powi(2)).max(0.0).sqrt()
     };
-    let stations = 9;
-    let along = |at: usize| from + (to - from) * (at as f64 / (stations - 1) as f64);
+    let stations = 13;
+    // Denser at the ends, where it is round.
+    let share = |at: usize| 0.5 - 0.5 * (std::f64::consts::PI * at as f64 / (stations - 1) as f64).cos();
+    let along = |at: usize| from + (to - from) * share(at);
     let edge = |at: usize, sign: f64| {
         let along = along(at);
         forward * along + across * (sign * half(along)) - DVec3::Y * shape.ankle_height
     };
     (0..stations).map(|at| edge(at, 1.0)).chain((0..stations).rev().map(|at| edge(at, -1.0))).collect()
+}
+
+/// Where a point of the levelled foot (offset from the ankle) lies while the body is at rest, and whether the toes carry it.
+pub fn unlevelled(body: &Body, side: Side, levelled: DVec3) -> (DVec3, bool) {
+    let shape = &body.feet[side as usize];
+    let ahead = levelled.dot(DVec3::new(shape.forward.x, 0.0, shape.forward.y)) > shape.ball;
+    let joints = shape.toe.and_then(|toe| body.joints.get(toe)).zip(body.joints.get(shape.ankle));
+    match joints.filter(|_| ahead) {
+        Some((toe, ankle)) => {
+            let to_toe = toe.rest - ankle.rest;
+            (to_toe + shape.toe_level.inverse() * (levelled - shape.level * to_toe), true)
+        }
+        None => (shape.level.inverse() * levelled, false),
+    }
 }
 
 /// (x, z) of a point.

@@ -2,7 +2,7 @@
 //!
 //! Scenario space, metres, newtons. An [`Overlay`] belongs to one moment.
 
-use super::figure::{arrow, flat, linear, side_color, sole_outline};
+use super::figure::{arrow, flat, linear, side_color, sole_outline, unlevelled};
 use super::paint::{self, Ink};
 use super::raster::{Camera, Canvas, Lights, Surface};
 use crate::model::report::Part;
@@ -48,6 +48,8 @@ pub struct Push {
 pub struct SoleMark {
     /// Which foot.
     pub side: Side,
+    /// What of it holds.
+    pub part: Part,
     /// m, convex outline of the whole sole.
     pub whole: Vec<DVec3>,
     /// m, convex outline of the part in contact.
@@ -87,9 +89,9 @@ pub fn sole_mark(
     front: &dyn Fn(DVec3) -> DVec3,
 ) -> SoleMark {
     let shape = &body.feet[side as usize];
-    let forward = DVec3::new(shape.forward.x, 0.0, shape.forward.y);
-    let place = |offset: &DVec3| {
-        let moved = if offset.dot(forward) > shape.ball { front(*offset) } else { rear(*offset) };
+    let place = |levelled: &DVec3| {
+        let (offset, by_toe) = unlevelled(body, side, *levelled);
+        let moved = if by_toe { front(offset) } else { rear(offset) };
         DVec3::new(moved.x, 0.0, moved.z)
     };
     let outline = |from: f64, to: f64| sole_outline(body, side, from, to).iter().map(place).collect();
@@ -98,42 +100,61 @@ pub fn sole_mark(
         Part::Ball => (shape.ball, shape.tip),
         Part::Heel => (shape.heel, shape.heel + (shape.tip - shape.heel) / 3.0),
     };
-    SoleMark { side, whole: outline(shape.heel, shape.tip), held: outline(held.0, held.1) }
+    SoleMark { side, part, whole: outline(shape.heel, shape.tip), held: outline(held.0, held.1) }
 }
 
 /// Soles and footprints, drawn on the ground before the body stands on it.
 pub fn draw_ground(canvas: &mut Canvas, camera: &Camera, overlay: &Overlay) {
     for print in &overlay.prints {
-        draw_sole(canvas, camera, &print.whole, print.side, 0.16, 0.42);
+        let color = linear(side_color(print.side));
+        canvas.decal(camera, &print.whole, color, 0.16);
+        draw_rim(canvas, camera, &print.whole, 0.0, 0.012, color, 0.40);
     }
     for sole in &overlay.soles {
-        draw_sole(canvas, camera, &sole.whole, sole.side, 0.22, 0.60);
-        let grown = grow(&sole.held, 0.012);
-        canvas.decal(camera, &grown, linear(side_color(sole.side)), 0.80);
+        let color = linear(side_color(sole.side));
+        canvas.decal(camera, &sole.held, color, 0.85);
+        // The shoe hides its own print: what holds shines out around it, the rest of the sole is a thin line.
+        draw_rim(canvas, camera, &sole.whole, 0.030, 0.040, color, 0.75);
+        draw_rim(canvas, camera, &sole.held, 0.0, 0.040, color, 0.85);
     }
 }
 
-/// A faint filled sole with a rim.
-fn draw_sole(canvas: &mut Canvas, camera: &Camera, outline: &[DVec3], side: Side, fill: f32, rim: f32) {
-    let color = linear(side_color(side));
-    canvas.decal(camera, outline, color, fill);
-    let outer = grow(outline, 0.014);
+/// A band around an outline, from `inner` to `outer` m outside of it.
+fn draw_rim(
+    canvas: &mut Canvas,
+    camera: &Camera,
+    outline: &[DVec3],
+    inner: f64,
+    outer: f64,
+    color: [f32; 3],
+    alpha: f32,
+) {
+    let (low, high) = (grow(outline, inner), grow(outline, outer));
     for at in 0..outline.len() {
         let next = (at + 1) % outline.len();
-        canvas.decal(camera, &[outline[at], outline[next], outer[next], outer[at]], color, rim);
+        canvas.decal(camera, &[low[at], low[next], high[next], high[at]], color, alpha);
     }
 }
 
-/// The outline moved outwards from its middle by about that many metres.
+/// The convex outline moved outwards by that many metres.
 fn grow(outline: &[DVec3], by: f64) -> Vec<DVec3> {
-    let middle = outline.iter().sum::<DVec3>() / outline.len().max(1) as f64;
-    let out = |point: &DVec3| *point + (*point - middle).normalize_or_zero() * by;
-    outline.iter().map(out).collect()
+    let count = outline.len();
+    let middle = outline.iter().sum::<DVec3>() / count.max(1) as f64;
+    let outward = |from: DVec3, to: DVec3| {
+        let normal = DVec3::Y.cross(to - from).normalize_or_zero();
+        if normal.dot((from + to) / 2.0 - middle) < 0.0 { -normal } else { normal }
+    };
+    (0..count)
+        .map(|at| {
+            let (before, here, after) = (outline[(at + count - 1) % count], outline[at], outline[(at + 1) % count]);
+            here + (outward(before, here) + outward(here, after)).normalize_or_zero() * by
+        })
+        .collect()
 }
 
 /// How long the arrow of a force is, m.
 pub fn arrow_length(force: f64) -> f64 {
-    0.30 + 0.45 * (force / 300.0).min(2.0)
+    0.24 + 0.24 * (force / 300.0).min(2.0)
 }
 
 /// The tail and the tip of a push's arrow: it ends where the body's surface is met.
@@ -185,4 +206,24 @@ pub fn draw_xi(image: &mut RgbaImage, point: DVec2) {
         paint::line(image, point + DVec2::from(from), point + DVec2::from(to), 1.2, Ink(XI, 0.95));
     }
     paint::ring(image, point, 4.6, 1.7, Ink(XI, 1.0));
+}
+
+/// Two small soles, the lower right corner at `corner`: filled where the foot holds, hollow in the air. Toes point down
+/// and the character's right is on the left, as the front camera sees it.
+pub fn draw_feet(image: &mut RgbaImage, corner: DVec2, overlay: &Overlay) {
+    for side in Side::BOTH {
+        let middle = corner + DVec2::new(if side == Side::Left { -6.0 } else { -18.0 }, -10.5);
+        let half = DVec2::new(3.6, 9.0);
+        let color = side_color(side);
+        paint::panel(image, middle - half - 1.3, middle + half + 1.3, 4.8, Ink(color, 0.9));
+        paint::panel(image, middle - half, middle + half, 3.6, Ink([236, 239, 241], 1.0));
+        let (low, high) = match overlay.soles.iter().find(|sole| sole.side == side).map(|sole| sole.part) {
+            None => continue,
+            Some(Part::Flat) => (-1.0, 1.0),
+            Some(Part::Ball) => (0.25, 1.0),
+            Some(Part::Heel) => (-1.0, -0.35),
+        };
+        let (low, high) = (DVec2::new(-half.x, half.y * low), DVec2::new(half.x, half.y * high));
+        paint::panel(image, middle + low, middle + high, 2.6, Ink(color, 1.0));
+    }
 }

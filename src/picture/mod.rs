@@ -1,20 +1,26 @@
 //! Pictures as bytes: contact sheets, drawn on the CPU.
 //!
-//! [`strip::stick_strip`] shows poses of a body alone, as capsules. Below them: [`compose`] lays out a page
-//! of [`compose::Frame`]s, [`marks`] draws what is known of the balance, [`raster`] draws triangles.
+//! [`sheet()`] shows a clip on its rig at the moments that tell, [`film`] at equal distances, [`stick_strip`] poses of a
+//! body alone, as capsules. Below them: [`skin`] poses a rig's mesh, [`compose`] lays out a page of [`Frame`]s, [`marks`] draws what is known of the balance, [`raster`] draws triangles.
 
 pub mod compose;
 pub mod figure;
 pub mod marks;
+pub mod moments;
 pub mod paint;
 pub mod plan;
 pub mod raster;
 pub mod shadow;
+pub mod sheet;
+pub mod skin;
 pub mod strip;
 pub mod text;
 
 pub use compose::{Frame, Header, Layout, Trail};
 pub use marks::{Overlay, Push, SoleMark};
+pub use moments::{Moment, choose_moments, even_moments};
+pub use sheet::{SheetInput, film, sheet};
+pub use skin::Posture;
 pub use strip::stick_strip;
 
 /// The bytes of a PNG file.

@@ -62,7 +62,7 @@ pub fn draw(frame: &Frame, trail: &Trail, scale: &PlanScale, width: u32, height:
     if hull.len() > 2 {
         paint::outline(&mut image, &hull, 1.0, Ink([92, 100, 110], 0.8));
     }
-    for SoleMark { side, whole, held } in &overlay.soles {
+    for SoleMark { side, whole, held, .. } in &overlay.soles {
         paint::outline(&mut image, &corners(whole), 1.2, Ink(side_color(*side), 0.9));
         paint::polygon(&mut image, &corners(held), Ink(side_color(*side), 0.75));
     }

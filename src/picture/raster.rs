@@ -130,42 +130,22 @@ impl Canvas {
         }
     }
 
-    /// Sky, and the ground with squares that fade towards the horizon and the body's shadow on it.
+    /// Sky, and the ground with squares that fade towards the horizon and the body's shadow on it. The squares are averaged
+    /// over each pixel by formula, so one look a pixel is enough.
     pub fn background(&mut self, camera: &Camera, shadow: Option<&GroundShadow>) {
         let columns = self.width * SAMPLES;
         let step = 1.0 / SAMPLES as f64;
-        let ground = -GROUND_DROP;
-        for row in 0..self.height * SAMPLES {
-            let y = (row as f64 + 0.5) * step;
-            let first = camera.ray(DVec2::new(0.5 * step, y));
-            let across = camera.right() * (step / camera.focal);
-            for column in 0..columns {
-                let ray = first + across * column as f64;
-                let sample = row * columns + column;
-                let distance = if ray.y < -1e-9 { (ground - camera.eye.y) / ray.y } else { -1.0 };
-                if distance > NEAR {
-                    let point = camera.eye + ray * distance;
-                    // What a sample covers on the ground, along and across the view.
-                    let across = step * distance / camera.focal;
-                    let along = across * (1.0 + (distance / (camera.eye.y - ground)).powi(2)).sqrt();
-                    let ahead = DVec2::new(ray.x, ray.z).normalize_or(DVec2::Y);
-                    let footprint = DVec2::new(
-                        across * ahead.y.abs() + along * ahead.x.abs(),
-                        across * ahead.x.abs() + along * ahead.y.abs(),
-                    );
-                    let square = checker(point.x, footprint.x) * checker(point.z, footprint.y);
-                    let mut color = TILE_DARK.lerp(TILE_LIGHT, (0.5 + 0.5 * square) as f32);
-                    let line = (grid_line(point.x, footprint.x).max(grid_line(point.z, footprint.y))) as f32;
-                    color *= 1.0 - 0.20 * line;
-                    if let Some(shadow) = shadow {
-                        color = color.lerp(SHADOW_TINT, shadow.at(point.x, point.z));
-                    }
-                    let fade = 1.0 - (-((distance - 5.0).max(0.0) / 14.0)).exp();
-                    self.color[sample] = color.lerp(SKY_LOW, fade as f32);
-                    self.nearness[sample] = (1.0 / distance) as f32;
-                } else {
-                    let height = (ray.normalize().y / 0.45).clamp(0.0, 1.0);
-                    self.color[sample] = SKY_LOW.lerp(SKY_HIGH, height as f32);
+        let below = -GROUND_DROP - camera.eye.y;
+        for y in 0..self.height {
+            for x in 0..self.width {
+                let color = backdrop(camera, DVec2::new(x as f64 + 0.5, y as f64 + 0.5), shadow);
+                for row in y * SAMPLES..(y + 1) * SAMPLES {
+                    let first = row * columns + x * SAMPLES;
+                    // 1/depth of a plane is linear in the picture.
+                    let ray = camera.ray(DVec2::new(x as f64 + 0.5, (row as f64 + 0.5) * step));
+                    let nearness = (ray.y / below).max(0.0) as f32;
+                    self.color[first..first + SAMPLES].fill(color);
+                    self.nearness[first..first + SAMPLES].fill(nearness);
                 }
             }
         }
@@ -339,6 +319,31 @@ pub fn to_srgb(linear: f32) -> u8 {
 pub fn to_linear(byte: u8) -> f32 {
     let value = f32::from(byte) / 255.0;
     if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+}
+
+/// What is seen at a pixel where nothing stands.
+fn backdrop(camera: &Camera, pixel: DVec2, shadow: Option<&GroundShadow>) -> Vec3 {
+    let ray = camera.ray(pixel);
+    let below = -GROUND_DROP - camera.eye.y;
+    let distance = if ray.y * below > 1e-9 { below / ray.y } else { -1.0 };
+    if distance <= NEAR {
+        let height = (ray.normalize().y / 0.45).clamp(0.0, 1.0);
+        return SKY_LOW.lerp(SKY_HIGH, height as f32);
+    }
+    let point = camera.eye + ray * distance;
+    // What a pixel covers on the ground, across and along the view.
+    let across = distance / camera.focal;
+    let along = across * (1.0 + (distance / below).powi(2)).sqrt();
+    let ahead = DVec2::new(ray.x, ray.z).normalize_or(DVec2::Y).abs();
+    let covers = DVec2::new(across * ahead.y + along * ahead.x, across * ahead.x + along * ahead.y);
+    let square = checker(point.x, covers.x) * checker(point.z, covers.y);
+    let mut color = TILE_DARK.lerp(TILE_LIGHT, (0.5 + 0.5 * square) as f32);
+    color *= 1.0 - 0.20 * grid_line(point.x, covers.x).max(grid_line(point.z, covers.y)) as f32;
+    if let Some(shadow) = shadow {
+        color = color.lerp(SHADOW_TINT, shadow.at(point.x, point.z));
+    }
+    let fade = 1.0 - (-((distance - 5.0).max(0.0) / 14.0)).exp();
+    color.lerp(SKY_LOW, fade as f32)
 }
 
 /// Hemisphere, key light, a little sheen and rim.

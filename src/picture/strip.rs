@@ -31,9 +31,8 @@ pub fn stick_strip(body: &Body, poses: &[(f64, BodyPose)], overlays: &[Overlay],
         .iter()
         .filter_map(|frame| frame.overlay.com.map(|com| (frame.time, flat(com), frame.overlay.xi)))
         .collect();
-    let columns = if frames.len() <= 8 { frames.len().max(4) } else { frames.len().div_ceil(2).clamp(5, 8) };
     let header = Header { title: title.to_owned(), ..Header::default() };
-    page(&frames, &trail, &header, &Layout { columns, ..Layout::default() })
+    page(&frames, &trail, &header, &Layout::fitting(frames.len()))
 }
 
 #[cfg(test)]
@@ -86,6 +85,8 @@ pub(crate) mod tests {
             ball: 0.13,
             tip: 0.20,
             half_width: 0.048,
+            level: DQuat::IDENTITY,
+            toe_level: DQuat::IDENTITY,
             rear_sole: vec![],
             front_sole: vec![],
         };
