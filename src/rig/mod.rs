@@ -5,7 +5,9 @@
 
 pub mod body;
 pub mod mannequin;
+mod mannequin_document;
 mod mannequin_mesh;
+mod mannequin_shape;
 mod segments;
 mod sole;
 
