@@ -76,9 +76,29 @@ mod tests {
 
     #[test]
     fn a_fault_shows_its_file_line_text_and_remedy() {
-        insta::assert_snapshot!(drawn(
-            "title = \"a\"\nduraton = 3.0\n\n[[push]]\nstart = 1.0\nduration = 0.2\nforce = \"300\"\ntoward = \"left\"\n"
-        ));
+        let drawn = drawn(
+            "title = \"a\"\nduraton = 3.0\n\n[[push]]\nstart = 1.0\nduration = 0.2\nforce = \"300\"\ntoward = \"left\"\n",
+        );
+        insta::assert_snapshot!(drawn, @r#"
+          × unknown key `duraton`
+           ╭─[shove.toml:2:1]
+         1 │ title = "a"
+         2 │ duraton = 3.0
+           · ───┬───
+           ·    ╰── here
+         3 │ 
+           ╰────
+          help: did you mean `duration`?
+          × `force` must be a number, this is text
+           ╭─[shove.toml:7:9]
+         6 │ duration = 0.2
+         7 │ force = "300"
+           ·         ──┬──
+           ·           ╰── here
+         8 │ toward = "left"
+           ╰────
+          help: give a plain number, without quotes
+        "#);
     }
 
     #[test]
