@@ -100,12 +100,12 @@ pub struct NewArgs {
     /// Where to; a scenario goes to stdout where left out, a rig to exports/mannequin.glb
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// rig: metres from the ground to the top of the head
+    /// rig: metres from the ground to the top of the head, with ordinary legs; 1.7 where left out
     #[arg(long, value_name = "M", value_parser = |text: &str| number(text, 0.3, 5.0, "m"))]
     pub height: Option<f64>,
-    /// rig: metres from hip to ankle
-    #[arg(long, value_name = "M", value_parser = |text: &str| number(text, 0.1, 3.0, "m"))]
-    pub legs: Option<f64>,
+    /// rig: times the legs' ordinary length; the height changes with them
+    #[arg(long, value_name = "N", value_parser = |text: &str| number(text, 0.3, 3.0, "times"))]
+    pub leg_scale: Option<f64>,
 }
 
 /// `surefoot sheet`.

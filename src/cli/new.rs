@@ -12,8 +12,8 @@ const RIG_OUTPUT: &str = "exports/mannequin.glb";
 
 /// Writes it.
 pub fn run(args: &NewArgs) -> Result<Exit, Failure> {
-    if args.what != New::Rig && (args.height.is_some() || args.legs.is_some()) {
-        return Err(Failure::bad_input("--height and --legs are for `surefoot new rig`"));
+    if args.what != New::Rig && (args.height.is_some() || args.leg_scale.is_some()) {
+        return Err(Failure::bad_input("--height and --leg-scale are for `surefoot new rig`"));
     }
     match args.what {
         New::Scenario => match &args.output {
@@ -28,7 +28,7 @@ pub fn run(args: &NewArgs) -> Result<Exit, Failure> {
                     path.display()
                 )));
             }
-            put(&path, parts::mannequin(args.height, args.legs)?)?;
+            put(&path, parts::mannequin(args.height, args.leg_scale)?)?;
         }
         New::Sweep => {
             return Err(Failure::bad_input("`surefoot new sweep` is not in this version yet\n  help: rig or scenario"));

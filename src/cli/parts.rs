@@ -40,8 +40,8 @@ pub fn load_rig(_path: &Path) -> Result<Rig, Failure> {
     Err(pending("loading a rig"))
 }
 
-/// The built-in rig's file, at those measures in metres.
-pub fn mannequin(_height: Option<f64>, _legs: Option<f64>) -> Result<Vec<u8>, Failure> {
+/// The built-in rig's file, of that height in metres and with legs so many times as long.
+pub fn mannequin(_height: Option<f64>, _leg_scale: Option<f64>) -> Result<Vec<u8>, Failure> {
     Err(pending("making a rig"))
 }
 
