@@ -204,10 +204,10 @@ fn name_violations(files: &[Source]) -> Vec<String> {
 
 /// Whether the code has that name, not as the end of a longer one.
 fn names(code: &str, name: &str) -> bool {
+    let part_of_word = |character: char| character.is_alphanumeric() || character == '_';
     code.match_indices(name).any(|(at, _)| {
-        !code[..at].ends_with(|before: char| before.is_alphanumeric() || before == '_')
-            && !(name.ends_with(char::is_alphanumeric)
-                && code[at + name.len()..].starts_with(|after: char| after.is_alphanumeric() || after == '_'))
+        let goes_on = name.ends_with(part_of_word) && code[at + name.len()..].starts_with(part_of_word);
+        !code[..at].ends_with(part_of_word) && !goes_on
     })
 }
 
