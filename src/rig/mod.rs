@@ -3,6 +3,14 @@
 //! The way of a file: bytes -> [`document`] (JSON and buffers, checked) -> nodes and bind pose -> roles (VRM extension,
 //! name tables of `rigs/names/`, geometry, override file) -> [`Body`] in scenario space.
 
+pub mod body;
+pub mod mannequin;
+mod mannequin_document;
+mod mannequin_mesh;
+mod mannequin_shape;
+mod segments;
+mod sole;
+
 use crate::model::{Body, BodyPose, Clip, Role};
 use glam::{DQuat, DVec2, DVec3};
 use std::collections::BTreeMap;
