@@ -2,8 +2,7 @@
 //!
 //! A key that nobody asked for is unknown: [`Reader::finish`] says so, with the nearest key that was.
 
-use super::scenario_text::TextFault;
-use std::collections::BTreeMap;
+use super::scenario_errors::{Places, TextFault};
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -17,28 +16,6 @@ pub(super) struct Reader<'r, 'i> {
     asked: Vec<&'static str>,
     places: &'r mut Places,
     faults: &'r mut Vec<TextFault>,
-}
-
-/// Where in the text each value stands, by its path.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Places {
-    spans: BTreeMap<String, Range<usize>>,
-}
-
-impl Places {
-    /// The place of that path, or of the nearest thing around it that has one.
-    pub(super) fn find(&self, path: &str) -> Range<usize> {
-        let mut path = path;
-        loop {
-            if let Some(span) = self.spans.get(path) {
-                return span.clone();
-            }
-            match path.rfind('.') {
-                Some(dot) => path = &path[..dot],
-                None => return 0..0,
-            }
-        }
-    }
 }
 
 impl<'r, 'i> Reader<'r, 'i> {
@@ -152,7 +129,7 @@ impl<'r, 'i> Reader<'r, 'i> {
         let mut good = true;
         for (index, pair) in array.iter().enumerate() {
             let pair_path = format!("{path}.{index}");
-            self.places.spans.insert(pair_path.clone(), pair.span());
+            self.places.set(pair_path.clone(), pair.span());
             match self.numbers_of::<2>(&pair_path, pair) {
                 Some(point) => points.push(point),
                 None => good = false,
@@ -182,7 +159,7 @@ impl<'r, 'i> Reader<'r, 'i> {
         let mut read_entries = Vec::with_capacity(entries.len());
         for (index, entry) in entries.iter().enumerate() {
             let path = format!("{}.{index}", self.path_of(key));
-            self.places.spans.insert(path.clone(), entry.span());
+            self.places.set(path.clone(), entry.span());
             let DeValue::Table(table) = entry.get_ref() else {
                 let message = format!("an entry of `{key}` must be a table, this is {}", kind(entry.get_ref()));
                 self.fault(path, entry.span(), message, &format!("two brackets for each entry: `[[{key}]]`"));
@@ -236,7 +213,7 @@ impl<'r, 'i> Reader<'r, 'i> {
             self.asked.push(key);
         }
         let value = self.table.get(key)?;
-        self.places.spans.insert(self.path_of(key), value.span());
+        self.places.set(self.path_of(key), value.span());
         Some(value)
     }
 
@@ -275,7 +252,7 @@ impl<'r, 'i> Reader<'r, 'i> {
         let mut good = true;
         for (index, (number, element)) in numbers.iter_mut().zip(array.iter()).enumerate() {
             let element_path = format!("{path}.{index}");
-            self.places.spans.insert(element_path.clone(), element.span());
+            self.places.set(element_path.clone(), element.span());
             match self.number_of(element_path, element) {
                 Some(read) => *number = read,
                 None => good = false,

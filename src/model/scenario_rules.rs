@@ -5,17 +5,7 @@
 //! program cannot bake yet.
 
 use super::scenario::{Direction, GroundKind, Push, Scenario};
-
-/// One thing that is wrong.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Fault {
-    /// Where: keys and indices from 0, joined by dots, as in `push.0.force`.
-    pub path: String,
-    /// What is wrong, with the value in it.
-    pub message: String,
-    /// What would be right.
-    pub remedy: String,
-}
+use super::scenario_errors::Fault;
 
 /// s; longer clips are refused: at 600 s a file is past what an engine loads gladly.
 const LONGEST: f64 = 600.0;
@@ -125,7 +115,7 @@ impl Check {
 
     /// The start of an entry: in the scenario.
     fn start(&mut self, path: &str, start: f64) -> bool {
-        let (good, remedy) = if !(start >= 0.0) {
+        let (good, remedy) = if start.is_nan() || start < 0.0 {
             (false, "times count from 0, the start of the clip".to_owned())
         } else if start >= self.duration {
             (false, format!("the scenario lasts {} s: start earlier, or give it a longer `duration`", self.duration))

@@ -9,10 +9,9 @@ use super::scenario::{
     Base, Carry, Character, Crouch, Direction, Feet, Ground, GroundKind, Push, Scenario, Stand, Style, Throw, Turn,
     Walk,
 };
-use super::scenario_reader::{Places, Reader};
-use super::scenario_rules::Fault;
+use super::scenario_errors::{ScenarioErrors, ScenarioSource, TextFault};
+use super::scenario_reader::Reader;
 use glam::DVec3;
-use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 
 /// Reads a scenario. `name` is the file's, for messages and for a missing title.
@@ -23,13 +22,13 @@ pub fn parse(name: &str, text: &str) -> Result<Scenario, ScenarioErrors> {
 /// As [`parse`], with the places of its values, for faults that are found later.
 pub fn read(name: &str, text: &str) -> Result<(Scenario, ScenarioSource), ScenarioErrors> {
     let (document, broken) = DeTable::parse_recoverable(text);
-    let mut source = ScenarioSource { name: name.to_owned(), text: text.to_owned(), places: Places::default() };
+    let mut source = ScenarioSource::new(name, text);
     if !broken.is_empty() {
         let faults = broken.iter().map(|error| syntax_fault(text, error)).collect();
         return Err(source.collect(faults));
     }
     let mut faults = Vec::new();
-    let reader = Reader::new(document.get_ref(), &mut source.places, &mut faults);
+    let reader = Reader::new(document.get_ref(), source.places_mut(), &mut faults);
     let scenario = scenario(name, reader);
     if faults.is_empty() {
         let broken_rules = scenario.validate();
@@ -46,79 +45,9 @@ pub fn read(name: &str, text: &str) -> Result<(Scenario, ScenarioSource), Scenar
     Err(source.collect(faults))
 }
 
-/// The text of a scenario and where in it each value stands.
-#[derive(Clone, Debug)]
-pub struct ScenarioSource {
-    name: String,
-    text: String,
-    places: Places,
-}
-
-/// Everything that is wrong with a scenario's text, in the order of the text.
-#[derive(Clone, Debug, thiserror::Error)]
-#[error("{}", self.lines().join("\n"))]
-pub struct ScenarioErrors {
-    /// The file's name.
-    pub name: String,
-    /// The whole text.
-    pub text: String,
-    /// At least one.
-    pub faults: Vec<TextFault>,
-}
-
-/// A fault with its place in the text.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct TextFault {
-    /// Keys and indices joined by dots; empty where the syntax is broken.
-    pub path: String,
-    /// Bytes of the text, on character boundaries.
-    pub span: Range<usize>,
-    /// What is wrong.
-    pub message: String,
-    /// What would be right.
-    pub remedy: String,
-}
-
-impl ScenarioErrors {
-    /// Line and column of a fault, from 1; columns count characters.
-    pub fn line_column(&self, fault: &TextFault) -> (usize, usize) {
-        let before = self.text.get(..fault.span.start).unwrap_or(&self.text);
-        let line_start = before.rfind('\n').map_or(0, |at| at + 1);
-        (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
-    }
-
-    /// One line a fault: `shove.toml:4:9: message (remedy)`.
-    pub fn lines(&self) -> Vec<String> {
-        let line = |fault: &TextFault| {
-            let (line, column) = self.line_column(fault);
-            format!("{}:{line}:{column}: {} ({})", self.name, fault.message, fault.remedy)
-        };
-        self.faults.iter().map(line).collect()
-    }
-}
-
-impl ScenarioSource {
-    /// Those faults, at their places in this text.
-    pub fn errors(&self, faults: &[Fault]) -> ScenarioErrors {
-        self.collect(faults.iter().map(|fault| self.locate(fault)).collect())
-    }
-
-    fn locate(&self, fault: &Fault) -> TextFault {
-        TextFault {
-            path: fault.path.clone(),
-            span: whole_characters(&self.text, self.places.find(&fault.path)),
-            message: format!("`{}`: {}", fault.path, fault.message),
-            remedy: fault.remedy.clone(),
-        }
-    }
-
-    fn collect(&self, mut faults: Vec<TextFault>) -> ScenarioErrors {
-        for fault in &mut faults {
-            fault.span = whole_characters(&self.text, fault.span.clone());
-        }
-        faults.sort_by(|a, b| (a.span.start, a.span.end, &a.path).cmp(&(b.span.start, b.span.end, &b.path)));
-        ScenarioErrors { name: self.name.clone(), text: self.text.clone(), faults }
-    }
+/// A commented scenario with every key; its live part is [`Scenario::demo`].
+pub fn example_text() -> &'static str {
+    include_str!("scenario_example.toml")
 }
 
 fn scenario(name: &str, mut root: Reader<'_, '_>) -> Scenario {
@@ -324,9 +253,234 @@ fn touches(a: &str, b: &str) -> bool {
     within(a, b) || within(b, a)
 }
 
-/// The nearest range inside of the text that cuts no character.
-fn whole_characters(text: &str, span: Range<usize>) -> Range<usize> {
-    let start = text.floor_char_boundary(span.start);
-    let end = text.ceil_char_boundary(span.end.max(start));
-    start..end
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The example with everything that is commented out switched on.
+    fn whole_example() -> String {
+        let uncomment = |line: &str| match line.strip_prefix("# ") {
+            Some(rest) if rest.starts_with('[') || rest.split(' ').nth(1) == Some("=") => rest.to_owned(),
+            _ => line.to_owned(),
+        };
+        example_text().lines().map(uncomment).collect::<Vec<_>>().join("\n")
+    }
+
+    /// The only fault of that text: (line, message and remedy).
+    fn only_fault(text: &str) -> (usize, String) {
+        let errors = parse("shove.toml", text).expect_err("a faulty text");
+        assert_eq!(errors.faults.len(), 1, "{errors}");
+        let fault = &errors.faults[0];
+        (errors.line_column(fault).0, format!("{} / {}", fault.message, fault.remedy))
+    }
+
+    #[test]
+    fn the_example_is_the_demo() {
+        assert_eq!(parse("example.toml", example_text()).expect("a good example"), Scenario::demo());
+    }
+
+    #[test]
+    fn the_example_shows_every_key_and_all_of_it_parses() {
+        let text = whole_example();
+        let scenario = parse("example.toml", &text).unwrap_or_else(|errors| panic!("{errors}"));
+        assert_eq!(scenario.character.mass, Some(75.0));
+        let lanes = [
+            scenario.walk.len(),
+            scenario.turn.len(),
+            scenario.crouch.len(),
+            scenario.stand.len(),
+            scenario.push.len(),
+            scenario.pull.len(),
+            scenario.throw.len(),
+            scenario.carry.len(),
+        ];
+        assert_eq!(lanes, [1; 8]);
+        assert_eq!(scenario.base, Some(Base { clip: Some("Idle".to_owned()), file: Some("walk.bvh".to_owned()) }));
+        assert!((scenario.turn[0].facing - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+        assert_eq!(scenario.carry[0].mass, [[0.0, 2.0], [4.0, 25.0]]);
+    }
+
+    #[test]
+    fn an_empty_text_is_four_seconds_of_standing_named_after_the_file() {
+        let scenario = parse("dir/calm day.toml", "").expect("nothing is required");
+        assert_eq!(scenario, Scenario { title: "calm day".to_owned(), ..Scenario::default() });
+    }
+
+    #[test]
+    fn every_form_of_a_direction_is_read() {
+        let forms = [
+            ("\"back\"", Direction::Back),
+            ("180", Direction::Heading(180.0_f64.to_radians())),
+            ("-45.5", Direction::Heading((-45.5_f64).to_radians())),
+            ("[1, 0.0, -2]", Direction::Vector(DVec3::new(1.0, 0.0, -2.0))),
+        ];
+        for (form, direction) in forms {
+            let text = format!("[[push]]\nstart = 1\nduration = 0.1\nforce = 100\ntoward = {form}\n");
+            let scenario = parse("x.toml", &text).unwrap_or_else(|errors| panic!("{errors}"));
+            assert_eq!(scenario.push[0].toward, direction);
+            assert_eq!(scenario.push[0].at, Role::Chest);
+        }
+    }
+
+    #[test]
+    fn an_unknown_key_is_named_with_its_line_and_the_likely_one() {
+        let (line, message) = only_fault("title = \"a\"\nduraton = 3.0\n");
+        assert_eq!(line, 2);
+        assert_eq!(message, "unknown key `duraton` / did you mean `duration`?");
+    }
+
+    #[test]
+    fn an_unknown_lane_is_named_at_its_header() {
+        let (line, message) = only_fault("\n[[pushh]]\nstart = 1.0\n");
+        assert_eq!(line, 2);
+        assert!(message.contains("unknown key `pushh`") && message.contains("did you mean `push`?"), "{message}");
+    }
+
+    #[test]
+    fn each_planted_fault_names_its_line_and_remedy() {
+        let push = |line: &str, with: &str| {
+            let lines =
+                ["[[push]]", "start = 1.0", "duration = 0.2", "force = 100.0", "toward = \"right\"", "at = \"chest\""];
+            let key = line.split(' ').next().unwrap_or(line);
+            lines
+                .iter()
+                .map(|old| if old.split(' ').next() == Some(key) { with.to_owned() } else { (*old).to_owned() })
+                .collect::<Vec<_>>()
+                .join("\n")
+        };
+        let cases = [
+            (push("start", "start = \"soon\""), 2, "must be a number, this is text"),
+            (push("start", "start = -0.5"), 2, "times count from 0"),
+            (push("start", "start = 9.0"), 2, "start earlier"),
+            (push("start", "start = nan"), 2, "not a finite number"),
+            (push("start", "start = 3.9"), 3, "at most 0.1 s here"),
+            (push("start", ""), 1, "has no `start`"),
+            (push("duration", "duration = 0"), 3, "more than 0"),
+            (push("force", "force = -100"), 4, "turn `toward` round"),
+            (push("force", "force = 1e9"), 4, "give 0 to 20000 N"),
+            (push("force", "force = 1e999"), 4, "not a finite number"),
+            (push("force", "force = inf"), 4, "not a finite number"),
+            (push("toward", "toward = \"rihgt\""), 5, "did you mean \"right\"?"),
+            (push("toward", "toward = [0, 0, 0]"), 5, "not zero"),
+            (push("toward", "toward = [1, 2]"), 5, "must be 3 numbers, this is a list of 2"),
+            (push("toward", "toward = true"), 5, "must be a direction"),
+            (push("at", "at = \"Chest\""), 6, "did you mean \"chest\"?"),
+            ("[push]\nstart = 1.0".to_owned(), 1, "`[[push]]`"),
+            ("push = [3]".to_owned(), 1, "must be a table"),
+            ("character = 3".to_owned(), 1, "`[character]`"),
+            ("seed = -4".to_owned(), 1, "whole number from 0"),
+            ("seed = 1.5".to_owned(), 1, "whole number"),
+            ("seed = 99999999999999999999".to_owned(), 1, "out of range"),
+            ("seed = 9223372036854775807".to_owned(), 1, "out of range"),
+            ("title = \"  \"".to_owned(), 1, "title is empty"),
+            ("duration = 601".to_owned(), 1, "at most 600 s"),
+            ("[ground]\nkind = \"ice\"".to_owned(), 2, "give \"flat\""),
+            ("[ground]\nkind = \"flat\"\nangle = 4".to_owned(), 3, "unknown key `angle`"),
+            ("[ground]\nkind = \"slope\"".to_owned(), 1, "has no `angle`"),
+            ("[character]\nagility = 1.01".to_owned(), 2, "give 0 to 1"),
+            ("title = \"a\"\ntitle = \"b\"".to_owned(), 2, "duplicate key"),
+            ("title = \"a".to_owned(), 1, "not TOML"),
+            ("[[walk]]\nstart = 1\nspeed = 1\n[[walk]]\nstart = 1.0\nspeed = 0".to_owned(), 5, "two [[walk]] entries"),
+            ("[base]\nclip = 3".to_owned(), 2, "must be text"),
+        ];
+        for (text, line, part) in cases {
+            let errors = parse("shove.toml", &text).expect_err(&text);
+            let hit = errors.faults.iter().find(|fault| {
+                let (at, _) = errors.line_column(fault);
+                at == line && format!("{} / {}", fault.message, fault.remedy).contains(part)
+            });
+            assert!(hit.is_some(), "no `{part}` on line {line} of\n{text}\nbut\n{errors}");
+        }
+    }
+
+    #[test]
+    fn several_faults_come_together_in_the_order_of_the_text() {
+        let text = "duraton = 3\n[[push]]\nstart = \"x\"\nduration = 0.1\nforce = -4\ntoward = \"left\"\n";
+        let errors = parse("shove.toml", text).expect_err("three faults");
+        let lines: Vec<usize> = errors.faults.iter().map(|fault| errors.line_column(fault).0).collect();
+        assert_eq!(lines, [1, 3, 5], "{errors}");
+    }
+
+    #[test]
+    fn a_value_that_could_not_be_read_is_told_once() {
+        let (_, message) = only_fault("duration = \"long\"\n");
+        assert!(message.contains("must be a number"), "{message}");
+        let (_, message) = only_fault("[[carry]]\nstart = 0\nmass = [[0, \"x\"]]\n");
+        assert!(message.contains("must be a number"), "{message}");
+    }
+
+    #[test]
+    fn what_is_not_available_yet_has_its_line() {
+        let (scenario, source) = read("w.toml", "\n[[walk]]\nstart = 0.5\nspeed = 1.0\n").expect("it is good");
+        let errors = source.errors(&scenario.unavailable());
+        assert_eq!(errors.line_column(&errors.faults[0]).0, 2);
+        assert!(errors.to_string().starts_with("w.toml:2:1: `walk.0`: [[walk]] is not available yet"), "{errors}");
+    }
+
+    #[test]
+    fn deep_nesting_is_an_error_not_a_crash() {
+        for text in
+            [format!("a = {}", "[".repeat(200_000)), format!("a{} = 1", ".a".repeat(100_000)), "[a.".repeat(50_000)]
+        {
+            parse("deep.toml", &text).expect_err("too deep");
+        }
+    }
+
+    #[test]
+    fn a_byte_order_mark_and_windows_lines_are_fine() {
+        let text = format!("\u{feff}{}", example_text().replace('\n', "\r\n"));
+        assert_eq!(parse("example.toml", &text).expect("a good example"), Scenario::demo());
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        #[test]
+        fn arbitrary_text_never_panics(text in "\\PC{0,200}|[\\[\\]=\\n.\"'a-z0-9{}, #-]{0,300}") {
+            check(&text)?;
+        }
+
+        #[test]
+        fn a_mutated_example_never_panics(
+            edits in prop::collection::vec((any::<prop::sample::Index>(), 0_usize..4, "[\\PC\\n]{0,3}"), 1..8)
+        ) {
+            let mut text: Vec<char> = whole_example().chars().collect();
+            for (at, removed, put) in edits {
+                let at = at.index(text.len());
+                let end = (at + removed).min(text.len());
+                text.splice(at..end, put.chars());
+            }
+            check(&text.into_iter().collect::<String>())?;
+        }
+
+        #[test]
+        fn a_replaced_value_never_panics(at in any::<prop::sample::Index>(), value in prop::sample::select(vec![
+            "0", "-1", "1e308", "nan", "inf", "true", "\"left\"", "[]", "[[]]", "{}", "1979-05-27", "0xff", "[[0,0],[0,0]]",
+        ])) {
+            let example = whole_example();
+            let mut lines: Vec<String> = example.lines().map(str::to_owned).collect();
+            let keyed: Vec<usize> = (0..lines.len()).filter(|&line| lines[line].contains(" = ")).collect();
+            let line = keyed[at.index(keyed.len())];
+            let key = lines[line].split(" = ").next().unwrap_or("x").to_owned();
+            lines[line] = format!("{key} = {value}");
+            check(&lines.join("\n"))?;
+        }
+    }
+
+    /// Good, or faults whose places lie in the text.
+    fn check(text: &str) -> Result<(), TestCaseError> {
+        match parse("any.toml", text) {
+            Ok(scenario) => prop_assert_eq!(scenario.validate(), vec![]),
+            Err(errors) => {
+                prop_assert!(!errors.faults.is_empty());
+                for fault in &errors.faults {
+                    prop_assert!(text.get(fault.span.clone()).is_some(), "{:?}", fault);
+                    prop_assert!(!fault.message.is_empty() && !fault.remedy.is_empty());
+                }
+                prop_assert_eq!(errors.lines().len(), errors.faults.len());
+            }
+        }
+        Ok(())
+    }
 }
