@@ -3,6 +3,8 @@
 //! The way of a file: bytes -> [`document`] (JSON and buffers, checked) -> nodes and bind pose -> roles (VRM extension,
 //! name tables of `rigs/names/`, geometry, override file) -> [`Body`] in scenario space.
 
+pub mod animate;
+
 use crate::model::{Body, BodyPose, Clip, Role};
 use glam::{DQuat, DVec2, DVec3};
 use std::collections::BTreeMap;
