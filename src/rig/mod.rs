@@ -5,7 +5,7 @@
 
 pub mod animate;
 
-use crate::model::{Body, BodyPose, Clip, Role};
+use crate::model::{Body, Role};
 use glam::{DQuat, DVec2, DVec3};
 use std::collections::BTreeMap;
 
@@ -39,6 +39,8 @@ pub struct Document {
     pub glb_buffer: bool,
     /// Images decoded for pictures, by image index; `None` where it could not be read (never an error).
     pub images: Vec<Option<image::RgbaImage>>,
+    /// The files of images that lie beside the document (a relative uri), by image index: they move into an exported GLB.
+    pub image_files: Vec<Option<Vec<u8>>>,
 }
 
 /// A node: local transforms relative to its parent, document units.
