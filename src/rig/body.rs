@@ -119,6 +119,13 @@ pub fn derive(input: &BodyInput) -> DerivedBody {
     DerivedBody { body, joint_nodes, warnings, confidence_factor }
 }
 
+/// The mass that a document states for its character: `scenes[scene].extras.surefoot.mass_kg`, kg. The built-in rig does.
+pub fn stated_mass(document: &serde_json::Value) -> Option<f64> {
+    let scene = document.get("scene").and_then(serde_json::Value::as_u64).unwrap_or(0);
+    let extras = document.get("scenes")?.get(usize::try_from(scene).ok()?)?.get("extras")?;
+    extras.get("surefoot")?.get("mass_kg")?.as_f64().filter(|mass| mass.is_finite() && *mass > 0.0)
+}
+
 fn leg_roles(side: Side) -> [Role; 4] {
     match side {
         Side::Left => [Role::LeftUpperLeg, Role::LeftLowerLeg, Role::LeftFoot, Role::LeftToes],
