@@ -2,3 +2,4 @@
 //! a user would see break; helpers that two modules need go into `common`.
 
 mod common;
+mod measure; // what the measures say of a walk over force plates
