@@ -183,7 +183,7 @@ fn load() -> Option<(Walk, Vec<Plate>)> {
     let folder = data_folder();
     let read = |name: &str| folder.as_ref().and_then(|folder| std::fs::read(folder.join("forces").join(name)).ok());
     let (Some(bytes), Some(text)) = (read("rajagopal_walk.glb"), read("rajagopal_walk_forces.csv")) else {
-        println!("skipped: the measured walk is not beside the package");
+        eprintln!("skipped: the measured walk is not beside the package");
         return None;
     };
     let (walk, plates) = (walk(&bytes), plates(&String::from_utf8_lossy(&text)));
@@ -220,7 +220,7 @@ fn the_ground_force_and_pressure_of_a_measured_walk_are_found() {
     let force_rms = (force_error / frames).sqrt() / weight;
     let pressure_rms = (pressure_error / single).sqrt();
     let com_rms = (com_error / frames).sqrt();
-    println!(
+    eprintln!(
         "measured walk: force off by {force_rms:.3} body weights RMS, pressure by {:.1} mm RMS ({:.1} at most) over \
          {single} frames of single support, centre of mass by {:.1} mm",
         1000.0 * pressure_rms,
@@ -241,7 +241,7 @@ fn a_measured_walk_needs_next_to_nothing_that_the_ground_does_not_give_and_a_ben
         measure::measure(motion, &contacts, &[], 1.0).expect("sound")
     };
     let told = |name: &str, found: &measure::Findings| {
-        println!(
+        eprintln!(
             "{name}: ZMP inside {:.0} %, p95 out {:.1} cm, residual {:.3} weights and {:.4} weight x height, friction \
              p99 {:.2}, vertical min {:.2}, ankle {:.1} m/s, legs {:.0} mm, knee past straight {:.1} deg, {} limits, {} pops, score {:.2}",
             100.0 * found.zmp.inside,
@@ -258,7 +258,7 @@ fn a_measured_walk_needs_next_to_nothing_that_the_ground_does_not_give_and_a_ben
             found.plausibility().score
         );
         for excess in &found.joints.excesses {
-            println!("  {:?}", excess);
+            eprintln!("  {:?}", excess);
         }
     };
     let real = measured(&walk.poses);
