@@ -8,3 +8,4 @@ mod bodies;
 /// The program at the shell: exit codes, words, files.
 mod cli;
 mod common;
+mod measure; // what the measures say of a walk over force plates
