@@ -3,13 +3,32 @@
 //! The way of a file: bytes -> [`document`] (JSON and buffers, checked) -> nodes and bind pose -> roles (VRM extension,
 //! name tables of `rigs/names/`, geometry, override file) -> [`Body`] in scenario space.
 
+pub mod accessor;
+pub mod bind;
 pub mod body;
+pub mod document;
+pub mod error;
+pub mod images;
+pub mod inspect;
+pub mod load;
 pub mod mannequin;
+pub mod mapping;
+pub mod mesh;
+pub mod names;
+pub mod nodes;
+pub mod overrides;
+pub mod space;
+pub mod vrm;
+
 mod mannequin_mesh;
 mod segments;
 mod sole;
 
-use crate::model::{Body, BodyPose, Clip, Role};
+pub use error::{Fault, RigError};
+pub use inspect::{inspect_json, inspect_text};
+pub use load::{load, load_bytes};
+
+use crate::model::{Body, Role};
 use glam::{DQuat, DVec2, DVec3};
 use std::collections::BTreeMap;
 
