@@ -2,3 +2,5 @@
 //! a user would see break; helpers that two modules need go into `common`.
 
 mod common;
+mod export; // poses to the bytes of a GLB and back, nothing lost
+mod synthetic; // rigs made by hand, and a stepping motion
