@@ -5,7 +5,7 @@
 //! rotation *from rest in scenario axes*, so a rig's local bone axes never matter here. Knows no nodes and no files.
 
 use super::role::Role;
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DMat3, DQuat, DVec2, DVec3};
 
 /// Left or right. Index arrays of two with `side as usize`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
@@ -83,22 +83,35 @@ pub struct Segment {
     pub inertia: DMat3,
 }
 
-/// A foot's sole. Offsets from the ankle joint at rest; the ground at rest is `y = -ankle_height` in them.
+/// A foot's sole.
+///
+/// A bind pose may hold a foot pitched or rolled (mid-stride, on tiptoe). `level` is the turn from rest that lays its
+/// sole flat; `ankle_height`, `forward`, `heel`, `ball`, `tip` and `half_width` are measured in that **levelled** frame
+/// (scenario axes, origin at the ankle, the foot turned by `level` and the toes by `toe_level`): there the ground is
+/// `y = -ankle_height`. `rear_sole` and `front_sole` are offsets from the ankle **at rest**, unturned; so the levelled
+/// place of a rear vertex is `level * v`, and of a front vertex, where there is a toe joint at rest offset t,
+/// `level * t + toe_level * (v - t)`.
 #[derive(Clone, Debug)]
 pub struct FootShape {
     /// Index of the foot (ankle) joint.
     pub ankle: usize,
-    /// Index of the toe joint, where there is one that a node moves.
+    /// Index of the toe joint, where there is one that a node moves and that bends the sole.
     pub toe: Option<usize>,
-    /// m, ankle joint over the sole.
+    /// The foot joint's turn from rest (scenario axes) that makes the sole level. The identity where the foot is level
+    /// within 3 degrees at rest.
+    pub level: DQuat,
+    /// The toe joint's turn from rest (scenario axes, as `level`: not relative to the foot) that makes the front of the
+    /// sole level too. Equal to `level` where the toe is straight at rest or there is no toe joint.
+    pub toe_level: DQuat,
+    /// m, ankle joint over the sole, levelled.
     pub ankle_height: f64,
-    /// Unit, horizontal at rest: from heel to toe tip, (x, z).
+    /// Unit, horizontal, levelled: from heel to toe tip, (x, z).
     pub forward: DVec2,
-    /// m, along `forward` from the ankle: rearmost point of the sole (negative).
+    /// m, along `forward` from the ankle, levelled: rearmost point of the sole (negative).
     pub heel: f64,
-    /// m, along `forward` from the ankle: the line over which the foot bends (the toe joint, or 0.72 of the sole).
+    /// m, along `forward` from the ankle, levelled: the line over which the foot bends (the toe joint, or 0.72 of the sole).
     pub ball: f64,
-    /// m, along `forward` from the ankle: foremost point of the sole.
+    /// m, along `forward` from the ankle, levelled: foremost point of the sole.
     pub tip: f64,
     /// m, half of the sole's width at the ball.
     pub half_width: f64,
@@ -113,6 +126,18 @@ impl Body {
     /// Index of that role's joint.
     pub fn joint(&self, role: Role) -> Option<usize> {
         self.joints.iter().position(|joint| joint.role == role)
+    }
+
+    /// The same body with another mass, every segment in proportion.
+    pub fn with_mass(&self, mass: f64) -> Body {
+        let factor = mass / self.mass;
+        let mut body = self.clone();
+        for segment in &mut body.segments {
+            segment.mass *= factor;
+            segment.inertia *= factor;
+        }
+        body.mass = mass;
+        body
     }
 
     /// The rest offset of a joint from its parent's joint, m; its own rest position for the hips.

@@ -1,0 +1,324 @@
+//! From the bones that were found and the mesh around them to the [`Body`] that is simulated.
+//!
+//! Scenario space, metres, kilograms; the ground is already at y = 0. Joints that a rig lacks are extrapolated from the
+//! segment before and from the mesh, with a warning. Masses are de Leva's, in [`super::segments`]; soles in
+//! [`super::sole`]. It leaves out how the bones were found and which way they face.
+
+use super::MeshPart;
+use super::segments::segments;
+use super::sole::{FootInput, FootVertex, foot_shape};
+use crate::model::{Body, BodyJoint, Role, Side};
+use glam::DVec3;
+use std::collections::BTreeMap;
+
+/// Body mass over height squared, kg/m², where nothing says otherwise.
+const MASS_PER_HEIGHT_SQUARED: f64 = 23.0;
+
+/// What is known of a rig.
+#[derive(Clone, Copy, Debug)]
+pub struct BodyInput<'a> {
+    /// Each role found: its node and its place at the bind pose, scenario space.
+    pub bones: &'a BTreeMap<Role, (usize, DVec3)>,
+    /// What is drawn, scenario space at the bind pose; weights by node index.
+    pub mesh: &'a [MeshPart],
+    /// (nodes) index of each node's parent: what hangs on an unmapped node moves with the mapped one above it.
+    pub parents: &'a [Option<usize>],
+    /// kg; `None` for 23 times the height squared.
+    pub mass: Option<f64>,
+}
+
+/// The body, and what had to be assumed.
+#[derive(Clone, Debug)]
+pub struct DerivedBody {
+    /// In scenario space.
+    pub body: Body,
+    /// (body joints) the node that each joint is; `None` where it was extrapolated.
+    pub joint_nodes: Vec<Option<usize>>,
+    /// Sentences for a person.
+    pub warnings: Vec<String>,
+    /// 0..1: what the confidence in the mapping is to be multiplied by.
+    pub confidence_factor: f64,
+}
+
+/// Derives joints, masses and soles. Never fails: a role that it needs and that is not there is placed by proportion.
+pub fn derive(input: &BodyInput) -> DerivedBody {
+    let skin = Skin::new(input);
+    let mut warnings = Vec::new();
+    let mut confidence_factor = 1.0;
+    if skin.vertices.is_empty() {
+        warnings.push("the rig has no mesh; height and soles are made from the joints".to_owned());
+        confidence_factor *= 0.9;
+    }
+    let height = height(input, &skin);
+    let mut places: BTreeMap<Role, DVec3> = input.bones.iter().map(|(role, (_, place))| (*role, *place)).collect();
+    for side in Side::BOTH {
+        extrapolate_leg(side, height, &skin, &mut places);
+        extrapolate_arm(side, height, &skin, &mut places);
+    }
+    for role in [Role::Hips, Role::Spine, Role::Head] {
+        if !places.contains_key(&role) {
+            let place = DVec3::new(0.0, template(role).y * height, 0.0);
+            places.insert(role, place);
+        }
+    }
+    let made: Vec<Role> = places.keys().copied().filter(|role| !input.bones.contains_key(role)).collect();
+    for role in &made {
+        warnings.push(format!(
+            "the rig has no {}; its place is extrapolated and it keeps its parent's rotation",
+            role.name()
+        ));
+        confidence_factor *= if matches!(role, Role::LeftFoot | Role::RightFoot) { 0.95 } else { 0.98 };
+    }
+
+    // The order of the roles has parents before children.
+    let mut joints: Vec<BodyJoint> = Vec::new();
+    let mut joint_nodes = Vec::new();
+    for (&role, &rest) in &places {
+        let mut above = role.parent();
+        let parent = loop {
+            match above {
+                None => break (!joints.is_empty()).then_some(0),
+                Some(candidate) => match joints.iter().position(|joint| joint.role == candidate) {
+                    Some(index) => break Some(index),
+                    None => above = candidate.parent(),
+                },
+            }
+        };
+        joints.push(BodyJoint { role, parent, rest, animated: input.bones.contains_key(&role) });
+        joint_nodes.push(input.bones.get(&role).map(|bone| bone.0));
+    }
+
+    let feet = Side::BOTH.map(|side| {
+        let [_, _, foot, toes] = leg_roles(side);
+        let index = |role: Role| joints.iter().position(|joint| joint.role == role);
+        let ankle = index(foot).unwrap_or(0);
+        let rest = joints[ankle].rest;
+        let toe = index(toes).map(|toe| (toe, joints[toe].rest - rest));
+        let vertices = skin.foot(side, rest, input.bones.contains_key(&foot));
+        let (shape, notes) = foot_shape(&FootInput { side, ankle, ankle_y: rest.y, toe, height, vertices: &vertices });
+        if !skin.vertices.is_empty() && vertices.len() < 4 {
+            warnings.push(format!("no part of the mesh moves with {}; its sole is made from the joints", foot.name()));
+            confidence_factor *= 0.95;
+        }
+        warnings.extend(notes);
+        shape
+    });
+
+    let mass =
+        input.mass.filter(|mass| mass.is_finite() && *mass > 0.0).unwrap_or(MASS_PER_HEIGHT_SQUARED * height * height);
+    let segments = segments(&joints, &feet, height, mass);
+    let leg_length = Side::BOTH
+        .map(|side| {
+            let [hip, knee, ankle, _] = leg_roles(side).map(|role| places.get(&role).copied().unwrap_or(DVec3::ZERO));
+            hip.distance(knee) + knee.distance(ankle)
+        })
+        .iter()
+        .sum::<f64>()
+        / 2.0;
+    let body = Body { joints, segments, feet, mass, height, leg_length };
+    DerivedBody { body, joint_nodes, warnings, confidence_factor }
+}
+
+fn leg_roles(side: Side) -> [Role; 4] {
+    match side {
+        Side::Left => [Role::LeftUpperLeg, Role::LeftLowerLeg, Role::LeftFoot, Role::LeftToes],
+        Side::Right => [Role::RightUpperLeg, Role::RightLowerLeg, Role::RightFoot, Role::RightToes],
+    }
+}
+
+fn arm_roles(side: Side) -> [Role; 3] {
+    match side {
+        Side::Left => [Role::LeftUpperArm, Role::LeftLowerArm, Role::LeftHand],
+        Side::Right => [Role::RightUpperArm, Role::RightLowerArm, Role::RightHand],
+    }
+}
+
+/// Where a joint of an ordinary adult stands, shares of the height, arms down, left side (Winter's proportions).
+fn template(role: Role) -> DVec3 {
+    match role {
+        Role::Hips => DVec3::new(0.0, 0.54, 0.0),
+        Role::Spine => DVec3::new(0.0, 0.60, 0.0),
+        Role::Head => DVec3::new(0.0, 0.885, 0.0),
+        Role::LeftUpperLeg | Role::RightUpperLeg => DVec3::new(0.055, 0.53, 0.0),
+        Role::LeftLowerLeg | Role::RightLowerLeg => DVec3::new(0.055, 0.285, 0.0),
+        Role::LeftFoot | Role::RightFoot => DVec3::new(0.055, 0.04, 0.0),
+        Role::LeftUpperArm | Role::RightUpperArm => DVec3::new(0.11, 0.818, 0.0),
+        Role::LeftLowerArm | Role::RightLowerArm => DVec3::new(0.12, 0.63, 0.0),
+        _ => DVec3::new(0.12, 0.485, 0.0),
+    }
+}
+
+/// Fills in what a leg lacks; a foot by the mesh that hangs on the shank.
+fn extrapolate_leg(side: Side, height: f64, skin: &Skin, places: &mut BTreeMap<Role, DVec3>) {
+    let [hip, knee, foot, _] = leg_roles(side);
+    let mirror = DVec3::new(side.sign(), 1.0, 1.0);
+    for role in [hip, knee] {
+        places.entry(role).or_insert_with(|| template(role) * height * mirror);
+    }
+    if places.contains_key(&foot) {
+        return;
+    }
+    let (hip, knee) = (places[&hip], places[&knee]);
+    let shank: Vec<DVec3> = skin.of(leg_roles(side)[1]).collect();
+    let bottom = shank.iter().map(|point| point.y).fold(f64::INFINITY, f64::min);
+    let bottom = if bottom.is_finite() && bottom < knee.y { bottom } else { 0.0 };
+    // Ankle over sole is 0.14 of knee over sole in people.
+    let drop = 0.86 * (knee.y - bottom).max(0.1 * height);
+    let thigh = (knee - hip).try_normalize().unwrap_or(DVec3::NEG_Y);
+    // The shank goes on straight down, or a little along the thigh where the bind pose is bent or spread.
+    let shank_direction = (thigh + 2.0 * DVec3::NEG_Y).try_normalize().unwrap_or(DVec3::NEG_Y);
+    let mut ankle = knee + shank_direction * (drop / -shank_direction.y.min(-0.5));
+    // The mesh knows better where its ankle is, sideways.
+    let slice: Vec<DVec3> = shank.iter().copied().filter(|point| (point.y - ankle.y).abs() < 0.25 * drop).collect();
+    if slice.len() >= 3 {
+        let low = slice.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = slice.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        ankle.x = (low.x + high.x) / 2.0;
+    }
+    places.insert(foot, ankle);
+}
+
+/// Fills in what an arm lacks; a hand by the mesh that hangs on the forearm.
+fn extrapolate_arm(side: Side, height: f64, skin: &Skin, places: &mut BTreeMap<Role, DVec3>) {
+    let [shoulder, elbow, hand] = arm_roles(side);
+    let mirror = DVec3::new(side.sign(), 1.0, 1.0);
+    for role in [shoulder, elbow] {
+        places.entry(role).or_insert_with(|| template(role) * height * mirror);
+    }
+    if places.contains_key(&hand) {
+        return;
+    }
+    let (shoulder_at, elbow_at) = (places[&shoulder], places[&elbow]);
+    let upper = elbow_at - shoulder_at;
+    let direction = upper.try_normalize().unwrap_or(DVec3::NEG_Y);
+    let reach = skin.of(elbow).map(|point| (point - elbow_at).dot(direction)).fold(0.0, f64::max);
+    // Of elbow to fingertips the wrist stands at 0.58 (de Leva); without a mesh the forearm is 0.85 of the upper arm.
+    let length = if reach > 0.3 * upper.length() { 0.58 * reach } else { 0.85 * upper.length() };
+    places.insert(hand, elbow_at + direction * length);
+}
+
+/// Ground to the top of the head.
+fn height(input: &BodyInput, skin: &Skin) -> f64 {
+    let place = |role: Role| input.bones.get(&role).map(|bone| bone.1);
+    let head = place(Role::Head);
+    let mut top: Vec<DVec3> = skin.head(true);
+    if top.len() < 4 {
+        top = skin.head(false);
+    }
+    if let Some(crown) = crown(&top).filter(|crown| *crown > head.map_or(0.0, |head| head.y)) {
+        return crown.max(1e-3);
+    }
+    let highest = input.bones.values().map(|bone| bone.1.y).fold(0.0, f64::max);
+    let from_joints = match head {
+        // The head's joint at the skull's base stands at 0.885 of the height.
+        Some(head) if head.y > 0.0 => (head.y / template(Role::Head).y).max(highest),
+        _ => highest * 1.1,
+    };
+    from_joints.max(1e-3)
+}
+
+/// The top of a head without what is thin on it: antennas, feathers, a spike of hair.
+fn crown(points: &[DVec3]) -> Option<f64> {
+    let mut sorted: Vec<DVec3> = points.to_vec();
+    sorted.sort_by(|a, b| b.y.total_cmp(&a.y));
+    let (first, last) = (sorted.first()?, sorted.last()?);
+    let spread = |low: DVec3, high: DVec3| ((high.x - low.x) * (high.z - low.z)).sqrt();
+    let fold = |points: &[DVec3]| {
+        let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        spread(low, high)
+    };
+    let whole = fold(&sorted);
+    let (mut low, mut high) = (*first, *first);
+    for point in &sorted {
+        low = low.min(*point);
+        high = high.max(*point);
+        if spread(low, high) >= 0.2 * whole {
+            let trimmed = first.y - point.y;
+            // A round skull is thin at its very top too: trim only what stands out.
+            let stands_out = trimmed > 0.2 * (first.y - last.y);
+            return Some(if stands_out { point.y } else { first.y });
+        }
+    }
+    Some(first.y)
+}
+
+/// The mesh by what it moves with.
+struct Skin {
+    /// Place, and shares by mapped role.
+    vertices: Vec<SkinVertex>,
+}
+
+struct SkinVertex {
+    place: DVec3,
+    shares: [(Option<Role>, f64); 4],
+    /// The share that hangs on the head's own node, not on hair or a hat under it.
+    head_itself: f64,
+}
+
+impl Skin {
+    fn new(input: &BodyInput) -> Skin {
+        let mut role_of: BTreeMap<usize, Role> = BTreeMap::new();
+        for (role, (node, _)) in input.bones {
+            role_of.entry(*node).or_insert(*role);
+        }
+        let owner = |node: usize| -> Option<Role> {
+            let mut at = node;
+            // No chain is longer than there are nodes; a loop in a broken file ends here.
+            for _ in 0..=input.parents.len() {
+                if let Some(role) = role_of.get(&at) {
+                    return Some(*role);
+                }
+                at = (*input.parents.get(at)?)?;
+            }
+            None
+        };
+        let owners: Vec<Option<Role>> = (0..input.parents.len()).map(owner).collect();
+        let head = input.bones.get(&Role::Head).map(|bone| bone.0);
+        let vertices = input
+            .mesh
+            .iter()
+            .flat_map(|part| part.positions.iter().zip(&part.weights))
+            .filter(|(place, _)| place.is_finite())
+            .map(|(place, weights)| SkinVertex {
+                place: *place,
+                shares: weights.map(|(node, weight)| (owners.get(node).copied().flatten(), weight)),
+                head_itself: weights.iter().filter(|(node, _)| Some(*node) == head).map(|entry| entry.1).sum(),
+            })
+            .collect();
+        Skin { vertices }
+    }
+
+    /// Vertices of which a role has more than half.
+    fn of(&self, role: Role) -> impl Iterator<Item = DVec3> + '_ {
+        self.vertices.iter().filter(move |vertex| vertex.share(role) > 0.5).map(|vertex| vertex.place)
+    }
+
+    fn head(&self, itself: bool) -> Vec<DVec3> {
+        let share = |vertex: &&SkinVertex| if itself { vertex.head_itself } else { vertex.share(Role::Head) } > 0.5;
+        self.vertices.iter().filter(share).map(|vertex| vertex.place).collect()
+    }
+
+    /// The vertices of a foot; where no node is the foot, the end of the shank's.
+    fn foot(&self, side: Side, ankle: DVec3, has_foot: bool) -> Vec<FootVertex> {
+        let [_, shank, foot, toes] = leg_roles(side);
+        self.vertices
+            .iter()
+            .filter_map(|vertex| {
+                let (of_foot, of_toes) = (vertex.share(foot), vertex.share(toes));
+                let chosen = if has_foot {
+                    of_foot + of_toes > 0.5
+                } else {
+                    vertex.share(shank) + of_toes > 0.5 && vertex.place.y < ankle.y
+                };
+                chosen.then_some(FootVertex { offset: vertex.place - ankle, toe: of_toes > of_foot && of_toes >= 0.4 })
+            })
+            .collect()
+    }
+}
+
+impl SkinVertex {
+    fn share(&self, role: Role) -> f64 {
+        self.shares.iter().filter(|entry| entry.0 == Some(role)).map(|entry| entry.1).sum()
+    }
+}

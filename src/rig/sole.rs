@@ -1,0 +1,413 @@
+//! The shape of a foot's sole, from the vertices that move with it, or from the joints where there is no mesh.
+//!
+//! Metres; offsets from the ankle joint in scenario axes at rest. A foot that the bind pose holds pitched or rolled is
+//! first laid down: the plane on which it would rest is the face of its lower hull under the middle of the sole. What
+//! it leaves out: soft soles, arches, and heels so high that the sole is no plane.
+
+use crate::model::{FootShape, Side};
+use glam::{DQuat, DVec2, DVec3};
+
+/// A foot whose sole is off level by less than this is taken as level, rad.
+const LEVEL_WITHIN: f64 = 3.0 * std::f64::consts::PI / 180.0;
+/// The same for toes, whose soles curve up in front (toe spring).
+const TOE_LEVEL_WITHIN: f64 = 12.0 * std::f64::consts::PI / 180.0;
+/// No foot rests on a plane steeper than this, tangent of the angle from the bind pose.
+const STEEPEST: f64 = 1.8;
+/// Sole vertices lie within this share of the height over the plane (15 mm for 1.7 m).
+const BAND: f64 = 0.0088;
+/// Points kept for each of the two parts of a sole.
+const MOST_POINTS: usize = 20;
+
+/// What is known of a foot.
+pub(super) struct FootInput<'a> {
+    /// Left or right.
+    pub side: Side,
+    /// Index of the ankle joint.
+    pub ankle: usize,
+    /// m over the ground at rest.
+    pub ankle_y: f64,
+    /// Index of the toe joint and its offset from the ankle.
+    pub toe: Option<(usize, DVec3)>,
+    /// m, the body's.
+    pub height: f64,
+    /// What is drawn of the foot.
+    pub vertices: &'a [FootVertex],
+}
+
+/// A vertex that mostly moves with the foot or its toes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FootVertex {
+    /// m, from the ankle.
+    pub offset: DVec3,
+    /// Whether the toe joint has more of it than the foot joint.
+    pub toe: bool,
+}
+
+/// The sole, and what had to be assumed.
+pub(super) fn foot_shape(input: &FootInput) -> (FootShape, Vec<String>) {
+    if input.vertices.len() < 4 {
+        return (from_joints(input), Vec::new());
+    }
+    from_mesh(input).unwrap_or_else(|| {
+        (
+            from_joints(input),
+            vec![format!("the {} foot's mesh has no extent; its sole is made from the joints", name(input.side))],
+        )
+    })
+}
+
+fn name(side: Side) -> &'static str {
+    match side {
+        Side::Left => "left",
+        Side::Right => "right",
+    }
+}
+
+/// A sole of ordinary proportions around the joints.
+fn from_joints(input: &FootInput) -> FootShape {
+    let height = input.height;
+    let ankle_height = input.ankle_y.clamp(0.02 * height, 0.12 * height);
+    let toe = input.toe.map(|(_, offset)| DVec2::new(offset.x, offset.z)).filter(|flat| flat.length() > 0.02 * height);
+    let (forward, ball) = match toe {
+        Some(flat) => (flat.normalize(), flat.length().min(0.2 * height)),
+        None => (DVec2::Y, 0.0715 * height),
+    };
+    // The ball lies at 0.72 of a foot whose heel is 0.25 of it behind the ankle.
+    let length = ball / 0.47;
+    let (heel, tip, half_width) = (-0.25 * length, 0.75 * length, 0.19 * length);
+    let across = DVec2::new(forward.y, -forward.x);
+    let place = |along: f64, aside: f64| {
+        let flat = forward * along + across * aside * half_width;
+        DVec3::new(flat.x, -ankle_height, flat.y)
+    };
+    let outline = |stations: &[(f64, f64)]| -> Vec<DVec3> {
+        stations.iter().flat_map(|&(along, aside)| [place(along, aside), place(along, -aside)]).collect()
+    };
+    FootShape {
+        ankle: input.ankle,
+        toe: input.toe.map(|toe| toe.0),
+        level: DQuat::IDENTITY,
+        toe_level: DQuat::IDENTITY,
+        ankle_height,
+        forward,
+        heel,
+        ball,
+        tip,
+        half_width,
+        rear_sole: outline(&[(heel, 0.3), (heel + 0.08 * length, 0.6), (ball, 1.0)]),
+        front_sole: outline(&[(ball, 1.0), (tip - 0.1 * length, 0.75), (tip, 0.3)]),
+    }
+}
+
+/// The sole of the mesh; none where its points have no area.
+fn from_mesh(input: &FootInput) -> Option<(FootShape, Vec<String>)> {
+    let mut warnings = Vec::new();
+    let all: Vec<DVec3> = input.vertices.iter().map(|vertex| vertex.offset).collect();
+    let toe_share = input.vertices.iter().filter(|vertex| vertex.toe).count() as f64 / all.len() as f64;
+    // Points that do not turn with the foot must not decide how it lies.
+    let rear: Vec<DVec3> = input.vertices.iter().filter(|vertex| !vertex.toe).map(|vertex| vertex.offset).collect();
+    let rear = if rear.len() >= 4 { rear } else { all.clone() };
+
+    let mut level = DQuat::IDENTITY;
+    let mut forward = heading(input, &all, level);
+    // The way that the foot points and the plane that it rests on depend on each other a little.
+    for _ in 0..2 {
+        let (near, far) = extent(all.iter().map(|point| along(level * *point, forward)))?;
+        let (left, right) = extent(rear.iter().map(|point| aside(level * *point, forward)))?;
+        let ball = ball_line(input, level, forward, near, far);
+        let middle = forward * ((near + ball) / 2.0) + across(forward) * ((left + right) / 2.0);
+        let turned: Vec<DVec3> = all.iter().map(|point| level * *point).collect();
+        let normal = resting_normal(&turned, middle);
+        level = DQuat::from_rotation_arc(normal, DVec3::Y) * level;
+        forward = heading(input, &all, level);
+    }
+    if angle_of(level) < LEVEL_WITHIN {
+        level = DQuat::IDENTITY;
+        forward = heading(input, &all, level);
+    } else {
+        warnings.push(format!(
+            "the {} foot is {:.0} degrees off level in the bind pose; it is laid flat to stand",
+            name(input.side),
+            angle_of(level).to_degrees()
+        ));
+    }
+
+    // Toes that bend: laid flat on their own, where they are not already as flat as the foot.
+    let toe_points: Vec<DVec3> =
+        input.vertices.iter().filter(|vertex| vertex.toe).map(|vertex| vertex.offset).collect();
+    let mut toe = input.toe.filter(|_| toe_share > 0.04 && toe_points.len() >= 3);
+    if let (Some(_), None) = (input.toe, toe) {
+        warnings.push(format!("the {} toe joint moves no part of the sole; the foot does not bend", name(input.side)));
+    }
+    let toe_level = match toe {
+        Some(_) => toe_turn(&toe_points, level, forward),
+        None => level,
+    };
+    let toe_offset = toe.map_or(DVec3::ZERO, |(_, offset)| offset);
+    let lay = |vertex: &FootVertex| {
+        if vertex.toe && toe.is_some() {
+            level * toe_offset + toe_level * (vertex.offset - toe_offset)
+        } else {
+            level * vertex.offset
+        }
+    };
+
+    let laid: Vec<DVec3> = input.vertices.iter().map(lay).collect();
+    let (whole_near, whole_far) = extent(laid.iter().map(|point| along(*point, forward)))?;
+    let lowest = extent(laid.iter().map(|point| point.y))?.0;
+    let mut band = BAND * input.height;
+    let mut chosen: Vec<usize>;
+    // A rounded sole has few points near its lowest: widen the band until they make a sole.
+    loop {
+        chosen = (0..laid.len()).filter(|&index| laid[index].y <= lowest + band).collect();
+        let (near, far) = extent(chosen.iter().map(|&index| along(laid[index], forward)))?;
+        if (chosen.len() >= 4 && far - near > 0.6 * (whole_far - whole_near)) || band > 0.05 * input.height {
+            break;
+        }
+        band *= 1.5;
+    }
+    let (heel, tip) = extent(chosen.iter().map(|&index| along(laid[index], forward)))?;
+    if tip - heel < 0.02 * input.height {
+        return None;
+    }
+    let mut ball = ball_line(input, level, forward, heel, tip);
+    if ball < heel + 0.4 * (tip - heel) || ball > heel + 0.95 * (tip - heel) {
+        toe = None;
+        ball = heel + 0.72 * (tip - heel);
+    }
+
+    let near_ball: Vec<f64> = chosen
+        .iter()
+        .filter(|&&index| (along(laid[index], forward) - ball).abs() < 0.2 * (tip - heel))
+        .map(|&index| aside(laid[index], forward))
+        .collect();
+    let (left, right) = match extent(near_ball.iter().copied()) {
+        Some((left, right)) if right - left > 0.1 * (tip - heel) => (left, right),
+        _ => extent(chosen.iter().map(|&index| aside(laid[index], forward)))?,
+    };
+
+    let in_front = |index: usize| match toe {
+        Some(_) => input.vertices[index].toe,
+        None => along(laid[index], forward) > ball,
+    };
+    let flat = |index: usize| DVec2::new(along(laid[index], forward), aside(laid[index], forward));
+    let mut parts = [false, true].map(|front| {
+        let points: Vec<usize> = chosen.iter().copied().filter(|&index| in_front(index) == front).collect();
+        thin(&points, &flat, &laid).into_iter().map(|index| input.vertices[index].offset).collect::<Vec<_>>()
+    });
+    // Where the two parts meet, both have the ends of the ball line: a coarse mesh may have no vertices there.
+    for end in [left, right] {
+        let point = forward * ball + across(forward) * end;
+        let levelled = DVec3::new(point.x, lowest, point.y);
+        parts[0].push(level.inverse() * levelled);
+        let at_toe = match toe {
+            Some(_) => toe_offset + toe_level.inverse() * (levelled - level * toe_offset),
+            None => level.inverse() * levelled,
+        };
+        parts[1].push(at_toe);
+    }
+    let [rear_sole, front_sole] = parts;
+    let shape = FootShape {
+        ankle: input.ankle,
+        toe: toe.map(|entry| entry.0),
+        level,
+        toe_level,
+        ankle_height: -lowest,
+        forward,
+        heel,
+        ball,
+        tip,
+        half_width: (right - left) / 2.0,
+        rear_sole,
+        front_sole,
+    };
+    Some((shape, warnings))
+}
+
+/// Along the foot, from the ankle.
+fn along(point: DVec3, forward: DVec2) -> f64 {
+    DVec2::new(point.x, point.z).dot(forward)
+}
+
+/// To the foot's left.
+fn aside(point: DVec3, forward: DVec2) -> f64 {
+    DVec2::new(point.x, point.z).dot(across(forward))
+}
+
+/// To the left of a heading, (x, z).
+fn across(forward: DVec2) -> DVec2 {
+    DVec2::new(forward.y, -forward.x)
+}
+
+fn angle_of(turn: DQuat) -> f64 {
+    2.0 * turn.xyz().length().atan2(turn.w.abs())
+}
+
+fn extent(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    let mut range: Option<(f64, f64)> = None;
+    for value in values {
+        range = Some(range.map_or((value, value), |(low, high)| (low.min(value), high.max(value))));
+    }
+    range
+}
+
+/// The ball line: the toe joint where there is one, else 0.72 of the sole.
+fn ball_line(input: &FootInput, level: DQuat, forward: DVec2, heel: f64, tip: f64) -> f64 {
+    let proportion = heel + 0.72 * (tip - heel);
+    match input.toe {
+        Some((_, offset)) => along(level * offset, forward).clamp(heel + 0.3 * (tip - heel), tip),
+        None => proportion,
+    }
+}
+
+/// The way that a foot points: by its toe joint, else by its longer side.
+fn heading(input: &FootInput, points: &[DVec3], level: DQuat) -> DVec2 {
+    if let Some((_, offset)) = input.toe {
+        let turned = level * offset;
+        let flat = DVec2::new(turned.x, turned.z);
+        if flat.length() > 0.015 * input.height && flat.y > -0.3 * flat.length() {
+            return flat.normalize();
+        }
+    }
+    let count = points.len() as f64;
+    let flat: Vec<DVec2> = points
+        .iter()
+        .map(|point| {
+            let turned = level * *point;
+            DVec2::new(turned.x, turned.z)
+        })
+        .collect();
+    let mean = flat.iter().sum::<DVec2>() / count;
+    let (mut xx, mut zz, mut xz) = (0.0, 0.0, 0.0);
+    for point in &flat {
+        let from_mean = *point - mean;
+        xx += from_mean.x * from_mean.x;
+        zz += from_mean.y * from_mean.y;
+        xz += from_mean.x * from_mean.y;
+    }
+    // The long axis of the spread; near round, or far from ahead, it says nothing.
+    let swing = 0.5 * (2.0 * xz).atan2(zz - xx);
+    let spread = ((zz - xx).powi(2) + 4.0 * xz * xz).sqrt() / (zz + xx).max(1e-12);
+    if spread < 0.25 || swing.abs() > 0.9 { DVec2::Y } else { DVec2::new(swing.sin(), swing.cos()) }
+}
+
+/// The unit normal of the lower hull's face under `at` (x, z): the plane on which these points would come to rest.
+///
+/// A linear programme in the plane y = a x + b z + c under all points, as high as can be at `at`: constraints are added
+/// where they are broken most, and the few that bind are tried in threes.
+fn resting_normal(points: &[DVec3], at: DVec2) -> DVec3 {
+    let Some((lowest, _)) = extent(points.iter().map(|point| point.y)) else { return DVec3::Y };
+    let reach = 10.0;
+    let wall = lowest - reach * STEEPEST;
+    let local = |point: DVec3| DVec3::new(point.x - at.x, point.y, point.z - at.y);
+    // Far low points bound the slope.
+    let mut active: Vec<DVec3> = vec![
+        DVec3::new(reach, wall, 0.0),
+        DVec3::new(-reach, wall, 0.0),
+        DVec3::new(0.0, wall, reach),
+        DVec3::new(0.0, wall, -reach),
+    ];
+    if let Some(low) = points.iter().copied().reduce(|a, b| if b.y < a.y { b } else { a }) {
+        active.push(local(low));
+    }
+    let mut best = DVec3::new(0.0, 0.0, lowest);
+    for _ in 0..64 {
+        best = highest_plane(&active).unwrap_or(best);
+        let under = |point: DVec3| best.x * point.x + best.y * point.z + best.z - point.y;
+        active.retain(|point| under(*point) > -1e-9);
+        let worst = points.iter().map(|point| local(*point)).max_by(|a, b| under(*a).total_cmp(&under(*b)));
+        match worst {
+            Some(worst) if under(worst) > 1e-7 => active.push(worst),
+            _ => break,
+        }
+    }
+    DVec3::new(-best.x, 1.0, -best.y).normalize()
+}
+
+/// Among the planes (a, b, c) through three of the points and under all of them, the one highest at the origin.
+fn highest_plane(points: &[DVec3]) -> Option<DVec3> {
+    let mut best: Option<DVec3> = None;
+    for (first, p) in points.iter().enumerate() {
+        for (second, q) in points.iter().enumerate().skip(first + 1) {
+            for r in points.iter().skip(second + 1) {
+                let (u, v) = (*q - *p, *r - *p);
+                let area = u.z * v.x - u.x * v.z;
+                if area.abs() < 1e-12 {
+                    continue;
+                }
+                let a = (u.z * v.y - u.y * v.z) / area;
+                let b = (u.y * v.x - u.x * v.y) / area;
+                let c = p.y - a * p.x - b * p.z;
+                let plane_is_under = points.iter().all(|point| a * point.x + b * point.z + c <= point.y + 1e-9);
+                if plane_is_under && best.is_none_or(|best| c > best.z) {
+                    best = Some(DVec3::new(a, b, c));
+                }
+            }
+        }
+    }
+    best
+}
+
+/// The turn that lays the toes flat: only the pitch counts, and a toe spring is left alone.
+fn toe_turn(points: &[DVec3], level: DQuat, forward: DVec2) -> DQuat {
+    let pitch_of = |turn: DQuat| -> f64 {
+        let turned: Vec<DVec3> = points.iter().map(|point| turn * *point).collect();
+        let (Some((near, far)), Some((left, right))) = (
+            extent(turned.iter().map(|point| along(*point, forward))),
+            extent(turned.iter().map(|point| aside(*point, forward))),
+        ) else {
+            return 0.0;
+        };
+        let middle = forward * (near + 0.4 * (far - near)) + across(forward) * ((left + right) / 2.0);
+        let normal = resting_normal(&turned, middle);
+        // Positive where the toes point up.
+        (-along(normal, forward)).atan2(normal.y)
+    };
+    let pitch = pitch_of(level);
+    if pitch.abs() < TOE_LEVEL_WITHIN {
+        return level;
+    }
+    if level != DQuat::IDENTITY && pitch_of(DQuat::IDENTITY).abs() < TOE_LEVEL_WITHIN {
+        // A lifted heel over toes that lie flat.
+        return DQuat::IDENTITY;
+    }
+    let axis = across(forward);
+    DQuat::from_axis_angle(DVec3::new(axis.x, 0.0, axis.y), pitch) * level
+}
+
+/// At most [`MOST_POINTS`] of these: their hull seen from above, then its least corners dropped, then the lowest point.
+fn thin(points: &[usize], flat: &dyn Fn(usize) -> DVec2, laid: &[DVec3]) -> Vec<usize> {
+    let mut sorted: Vec<usize> = points.to_vec();
+    sorted.sort_by(|&a, &b| {
+        let (p, q) = (flat(a), flat(b));
+        p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)).then(laid[a].y.total_cmp(&laid[b].y)).then(a.cmp(&b))
+    });
+    sorted.dedup_by(|a, b| (flat(*a) - flat(*b)).length() < 1e-6);
+    let turn = |a: usize, b: usize, c: usize| (flat(b) - flat(a)).perp_dot(flat(c) - flat(a));
+    let mut hull: Vec<usize> = Vec::new();
+    for pass in 0..2 {
+        let start = hull.len();
+        let order: Vec<usize> = if pass == 0 { sorted.clone() } else { sorted.iter().rev().copied().collect() };
+        for index in order {
+            while hull.len() >= start + 2 && turn(hull[hull.len() - 2], hull[hull.len() - 1], index) <= 1e-12 {
+                hull.pop();
+            }
+            hull.push(index);
+        }
+        hull.pop();
+    }
+    if hull.is_empty() {
+        hull = sorted.first().copied().into_iter().collect();
+    }
+    while hull.len() > MOST_POINTS - 2 {
+        let count = hull.len();
+        let least = (0..count)
+            .map(|at| (at, turn(hull[(at + count - 1) % count], hull[at], hull[(at + 1) % count])))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map_or(0, |entry| entry.0);
+        hull.remove(least);
+    }
+    let lowest = sorted.iter().copied().min_by(|&a, &b| laid[a].y.total_cmp(&laid[b].y));
+    hull.extend(lowest.filter(|low| !hull.contains(low)));
+    hull
+}
