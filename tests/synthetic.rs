@@ -177,6 +177,8 @@ fn body(mapped: &[(Role, usize)]) -> (Body, Vec<Option<usize>>) {
         ball: 0.13,
         tip: 0.2,
         half_width: 0.045,
+        level: DQuat::IDENTITY,
+        toe_level: DQuat::IDENTITY,
         rear_sole: vec![DVec3::new(0.0, -0.09, -0.06)],
         front_sole: vec![DVec3::new(0.0, -0.09, 0.2)],
     };

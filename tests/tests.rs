@@ -8,4 +8,9 @@ mod bodies;
 /// The program at the shell: exit codes, words, files.
 mod cli;
 mod common;
-mod measure; // what the measures say of a walk over force plates
+/// Baked files: the source kept whole, read again, by the Khronos validator, three.js.
+mod export;
+/// What the measures say of a walk over force plates.
+mod measure;
+/// Rigs and motions made by hand for the modules above.
+mod synthetic;

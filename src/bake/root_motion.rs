@@ -106,7 +106,7 @@ pub struct RootCurve {
 impl RootCurve {
     /// The path for poses `dt` s apart, the first at time 0. Without `turning` the yaw stays 0.
     pub fn follow(poses: &[BodyPose], dt: f64, turning: bool) -> RootCurve {
-        let Some(first) = poses.first() else { return RootCurve { dt, samples: vec![[0.0; 3]] } };
+        let Some(first) = poses.first() else { return RootCurve { dt, samples: vec![[0.0; 3]], knots: Vec::new() } };
         let mut yaw = 0.0;
         let mut samples = Vec::with_capacity(poses.len());
         for pose in poses {
