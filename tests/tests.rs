@@ -2,3 +2,5 @@
 //! a user would see break; helpers that two modules need go into `common`.
 
 mod common;
+/// Contact sheets of real rigs.
+mod picture;

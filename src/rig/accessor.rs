@@ -143,9 +143,7 @@ impl Document {
 
     fn put_sparse(&self, sparse: &Value, layout: &Layout, bytes: &mut [u8], place: &str) -> Result<(), Fault> {
         let count = required_index(sparse, "count", place)?;
-        let part = |name: &str| {
-            sparse.get(name).ok_or_else(|| Fault::new(place, format!("has no {name}")))
-        };
+        let part = |name: &str| sparse.get(name).ok_or_else(|| Fault::new(place, format!("has no {name}")));
         let (indices, values) = (part("indices")?, part("values")?);
         let at = format!("{place}.indices");
         let component = component(required_index(indices, "componentType", &at)?, &at)?;

@@ -138,10 +138,15 @@ fn apply(nodes: &mut [RigNode], locals: &[DAffine3], wanted: &[Option<DAffine3>]
 
 /// W: mesh space at bind time to the document's world.
 fn world_of_mesh(skin: &Skin, nodes: &[RigNode], locals: &[DAffine3], size: f64) -> DAffine3 {
-    let drawn: Vec<DAffine3> =
-        skin.joints.iter().zip(&skin.inverse_binds).map(|(joint, inverse_bind)| locals[*joint] * *inverse_bind).collect();
+    let drawn: Vec<DAffine3> = skin
+        .joints
+        .iter()
+        .zip(&skin.inverse_binds)
+        .map(|(joint, inverse_bind)| locals[*joint] * *inverse_bind)
+        .collect();
     let reach = spread(skin.inverse_binds.iter().map(|bind| bind.inverse().translation)).max(1e-9);
-    let agreeing = |world: &DAffine3| drawn.iter().filter(|other| mesh_distance(world, other, reach, size) < SAME).count();
+    let agreeing =
+        |world: &DAffine3| drawn.iter().filter(|other| mesh_distance(world, other, reach, size) < SAME).count();
     let step = drawn.len().div_ceil(MOST_TRIED).max(1);
     let common = drawn.iter().step_by(step).map(|world| (agreeing(world), world));
     if let Some((count, world)) = common.max_by_key(|(count, _)| *count)

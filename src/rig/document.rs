@@ -93,7 +93,8 @@ impl Document {
             }
             buffers.push(bytes);
         }
-        self.glb_buffer = binary.is_some() && self.list("buffers").first().is_some_and(|first| first.get("uri").is_none());
+        self.glb_buffer =
+            binary.is_some() && self.list("buffers").first().is_some_and(|first| first.get("uri").is_none());
         self.buffers = buffers;
         Ok(())
     }

@@ -15,7 +15,10 @@ pub fn inspect_json(rig: &Rig) -> Value {
     let (mut legs, mut feet) = (Map::new(), Map::new());
     for side in Side::BOTH {
         let leg = leg_of(rig, side);
-        legs.insert(side_name(side).to_owned(), json!({ "thigh_m": round(leg[0]), "shank_m": round(leg[1]), "length_m": round(leg[0] + leg[1]) }));
+        legs.insert(
+            side_name(side).to_owned(),
+            json!({ "thigh_m": round(leg[0]), "shank_m": round(leg[1]), "length_m": round(leg[0] + leg[1]) }),
+        );
         let foot = &body.feet[side as usize];
         let mut entry = Map::new();
         for (name, value) in [

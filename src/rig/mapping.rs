@@ -55,9 +55,11 @@ pub fn find(
     }
     let rank = rank(document, nodes, skins);
     if let Some(found) = names::match_tables(nodes, &rank, &given) {
-        let without: Vec<String> = found.without.iter().map(|role| {
-            format!("{} rigs have no {} bone: its place is assumed", found.table, role.name())
-        }).collect();
+        let without: Vec<String> = found
+            .without
+            .iter()
+            .map(|role| format!("{} rigs have no {} bone: its place is assumed", found.table, role.name()))
+            .collect();
         answers.push(Found {
             method: format!("names: {}", found.table),
             confidence: if without.is_empty() { 0.97 } else { 0.75 },

@@ -35,7 +35,8 @@ pub fn read_parts(
         let skin = optional_index(node, "skin", &place)?.and_then(|skin| skins.get(skin));
         let entry = document.entry("meshes", mesh, &format!("{place}.mesh"))?;
         let primitives = entry.get("primitives").and_then(Value::as_array);
-        let primitives = primitives.ok_or_else(|| Fault::new(format!("meshes[{mesh}].primitives"), "must be an array"))?;
+        let primitives =
+            primitives.ok_or_else(|| Fault::new(format!("meshes[{mesh}].primitives"), "must be an array"))?;
         for (at, primitive) in primitives.iter().enumerate() {
             let place = format!("meshes[{mesh}].primitives[{at}]");
             let position = primitive.get("attributes").and_then(|attributes| attributes.get("POSITION"));
@@ -130,12 +131,18 @@ fn read_part(
     match (skin, attribute("JOINTS_0")?, attribute("WEIGHTS_0")?) {
         (Some(skin), Some(joints), Some(weights)) => {
             if !whole(joints)? || !whole(weights)? {
-                return Err(Fault::new(format!("{place}.attributes"), "JOINTS_0 and WEIGHTS_0 must be VEC4, one a vertex"));
+                return Err(Fault::new(
+                    format!("{place}.attributes"),
+                    "JOINTS_0 and WEIGHTS_0 must be VEC4, one a vertex",
+                ));
             }
             let joints = document.read_indices(joints, &format!("{place}.attributes.JOINTS_0"))?;
             let weights = document.read_f32s(weights, &format!("{place}.attributes.WEIGHTS_0"))?;
             if joints.len() != count * 4 || weights.values.len() != count * 4 {
-                return Err(Fault::new(format!("{place}.attributes"), "JOINTS_0 and WEIGHTS_0 must be VEC4, one a vertex"));
+                return Err(Fault::new(
+                    format!("{place}.attributes"),
+                    "JOINTS_0 and WEIGHTS_0 must be VEC4, one a vertex",
+                ));
             }
             skin_part(&mut part, skin, &joints, &weights.values, bind)
                 .map_err(|joint| beyond(place, joint, skin.joints.len()))?;
@@ -161,13 +168,7 @@ fn beyond(place: &str, joint: u32, count: usize) -> Fault {
 }
 
 /// Poses the vertices and names their nodes; the joint that does not exist, if there is one.
-fn skin_part(
-    part: &mut MeshPart,
-    skin: &Skin,
-    joints: &[u32],
-    shares: &[f32],
-    bind: &[DAffine3],
-) -> Result<(), u32> {
+fn skin_part(part: &mut MeshPart, skin: &Skin, joints: &[u32], shares: &[f32], bind: &[DAffine3]) -> Result<(), u32> {
     let moves: Vec<DAffine3> = (0..skin.joints.len())
         .map(|at| bind[skin.joints[at]] * skin.inverse_binds.get(at).copied().unwrap_or(DAffine3::IDENTITY))
         .collect();

@@ -66,7 +66,9 @@ pub fn match_tables(nodes: &[RigNode], rank: &[u8], given: &[Role]) -> Option<Na
         for index in &schemes {
             for prefix in &table.prefixes {
                 for sides in std::iter::once(&table.sides).chain(&table.other_sides) {
-                    let Some(found) = try_table(&table, &canonical(prefix), sides, index, nodes, given) else { continue };
+                    let Some(found) = try_table(&table, &canonical(prefix), sides, index, nodes, given) else {
+                        continue;
+                    };
                     if best.as_ref().is_none_or(|(count, _)| found.bones.len() > *count) {
                         best = Some((found.bones.len(), found));
                     }
@@ -207,7 +209,9 @@ mod tests {
                 let known = Role::from_name(key).or_else(|| Role::from_name(&format!("left{key}")));
                 assert!(known.is_some(), "{}: {key} is no role", table.name);
             }
-            let sided = |role: &Role| table.bones.contains_key(role.name().trim_start_matches("left").trim_start_matches("right"));
+            let sided = |role: &Role| {
+                table.bones.contains_key(role.name().trim_start_matches("left").trim_start_matches("right"))
+            };
             for role in Role::REQUIRED {
                 let named = table.bones.contains_key(role.name()) || sided(&role) || role == Role::Spine;
                 assert!(named, "{}: {} has no names", table.name, role.name());

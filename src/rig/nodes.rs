@@ -92,7 +92,8 @@ pub fn decompose(affine: &DAffine3) -> Trs {
         return Trs { translation: affine.translation, rotation: DQuat::IDENTITY, scale };
     }
     let (scale, rotation, translation) = affine.to_scale_rotation_translation();
-    let rotation = if rotation.is_finite() && rotation.length() > 1e-6 { rotation.normalize() } else { DQuat::IDENTITY };
+    let rotation =
+        if rotation.is_finite() && rotation.length() > 1e-6 { rotation.normalize() } else { DQuat::IDENTITY };
     Trs { translation, rotation, scale }
 }
 

@@ -58,7 +58,9 @@ fn node(value: &toml::Value, nodes: &[RigNode]) -> Result<Option<usize>, String>
             match same.as_slice() {
                 [node] => Ok(Some(*node)),
                 [] => Err(format!("no node is named \"{name}\"{}", nearest_node(name, nodes))),
-                several => Err(format!("{} nodes are named \"{name}\": give an index, one of {several:?}", several.len())),
+                several => {
+                    Err(format!("{} nodes are named \"{name}\": give an index, one of {several:?}", several.len()))
+                }
             }
         }
         _ => Err("must be a node's name or index".into()),
@@ -75,6 +77,7 @@ fn nearest_role(key: &str) -> String {
 
 fn nearest_node(name: &str, nodes: &[RigNode]) -> String {
     let wanted = super::names::canonical(name);
-    let alike = nodes.iter().filter_map(|node| node.name.as_deref()).find(|other| super::names::canonical(other) == wanted);
+    let alike =
+        nodes.iter().filter_map(|node| node.name.as_deref()).find(|other| super::names::canonical(other) == wanted);
     alike.map_or(String::new(), |other| format!("; did you mean \"{other}\"?"))
 }

@@ -103,7 +103,10 @@ pub fn stance(
     let up = if body_up.dot(DVec3::Y) > 0.6 { DVec3::Y } else { nearest_axis(body_up) };
     if body_up.dot(up) < 0.8 {
         confidence *= 0.9;
-        warnings.push(format!("the body leans {:.0} degrees in its bind pose", body_up.dot(up).min(1.0).acos().to_degrees()));
+        warnings.push(format!(
+            "the body leans {:.0} degrees in its bind pose",
+            body_up.dot(up).min(1.0).acos().to_degrees()
+        ));
     }
     let left = (marks.left - up * marks.left.dot(up)).normalize_or_zero();
     let mut front = left.cross(up).normalize_or_zero();
@@ -121,7 +124,9 @@ pub fn stance(
             swapped = true;
             if sides_known {
                 confidence *= 0.8;
-                warnings.push("the feet point backwards by the sides that the file names: left and right were exchanged".into());
+                warnings.push(
+                    "the feet point backwards by the sides that the file names: left and right were exchanged".into(),
+                );
             }
         } else if agreement.abs() < 0.5 {
             confidence *= 0.9;
@@ -239,7 +244,8 @@ fn extent(
 ) -> (f64, f64) {
     let ends = [Role::LeftFoot, Role::RightFoot];
     let lower = [Role::LeftLowerLeg, Role::RightLowerLeg];
-    let feet: Vec<usize> = ends.iter().zip(&lower).filter_map(|(a, b)| bones.get(a).or_else(|| bones.get(b))).copied().collect();
+    let feet: Vec<usize> =
+        ends.iter().zip(&lower).filter_map(|(a, b)| bones.get(a).or_else(|| bones.get(b))).copied().collect();
     let soles = feet.iter().flat_map(|foot| points_under(nodes, *foot, parts)).map(|point| point.dot(up));
     let soles = soles.fold(f64::MAX, f64::min);
     let joints = feet.iter().map(|foot| {
@@ -277,13 +283,20 @@ fn snap(direction: DVec3, up: DVec3) -> DVec3 {
 
 fn nearest_axis(direction: DVec3) -> DVec3 {
     let axes = [DVec3::Y, DVec3::Z, DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z, DVec3::NEG_X];
-    axes.into_iter().fold(DVec3::Y, |best, axis| if axis.dot(direction) > best.dot(direction) + 1e-9 { axis } else { best })
+    axes.into_iter()
+        .fold(DVec3::Y, |best, axis| if axis.dot(direction) > best.dot(direction) + 1e-9 { axis } else { best })
 }
 
 /// "+X", "-Z"; for a slanting one the nearest axis.
 fn axis_name(direction: DVec3) -> String {
     let axis = nearest_axis(direction);
     let sign = if axis.min_element() < 0.0 { '-' } else { '+' };
-    let letter = if axis.x != 0.0 { 'X' } else if axis.y != 0.0 { 'Y' } else { 'Z' };
+    let letter = if axis.x != 0.0 {
+        'X'
+    } else if axis.y != 0.0 {
+        'Y'
+    } else {
+        'Z'
+    };
     format!("{sign}{letter}")
 }

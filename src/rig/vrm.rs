@@ -1,7 +1,7 @@
 //! The humanoid that a VRM file declares: `VRMC_vrm` (1.0) and `VRM` (0.x). Sources: the two VRM specifications.
 
-use super::{Document, Fault};
 use super::document::as_index;
+use super::{Document, Fault};
 use crate::model::Role;
 use serde_json::Value;
 use std::collections::BTreeMap;
