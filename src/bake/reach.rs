@@ -14,10 +14,12 @@ use glam::DVec3;
 const PLANTED_REACH: f64 = 0.994;
 /// s, time in which a sinking that nothing holds comes up again (for a centre of mass at 0.96 m).
 const RISE: f64 = 0.11;
-/// Weight of a sample whose need is not met, against the squared acceleration.
-const HOLD: f64 = 1e12;
-/// Rounds of the active set; needs are met within a millimetre long before.
-const ROUNDS: usize = 14;
+/// Weight of a sample whose need is not met, against the squared acceleration: it pushes up only.
+const HOLD: f64 = 3e11;
+/// m, how far over the need the lowering aims, so that the soft hold still meets it.
+const OVER: f64 = 8e-4;
+/// Rounds of the one-sided penalty (a Newton method: it settles in about ten).
+const ROUNDS: usize = 24;
 
 /// Computes the lowering afresh from the poses that the present one gave. `scale`: times relative to the reference body.
 pub fn lower_into_reach(timeline: &mut Timeline, solved: &[Solved], scale: f64) {
@@ -68,14 +70,13 @@ fn gentlest(need: &[f64], first: usize, dt: f64, rise: f64) -> Vec<f64> {
             if index <= first {
                 system.equation(index, &[1.0], 0.0, 10.0 * HOLD);
             } else if held[index] {
-                // Half a millimetre above the need, so that a soft equation still meets it.
-                system.equation(index, &[1.0], need[index] + 5e-4, HOLD);
+                system.equation(index, &[1.0], need[index] + OVER, HOLD);
             }
         }
         lowering = system.solve();
         let mut changed = false;
         for index in 0..count {
-            let wanted = need[index] > 0.0 && lowering[index] < need[index] + 6e-4;
+            let wanted = need[index] > 0.0 && lowering[index] < need[index] + OVER;
             changed |= wanted != held[index];
             held[index] = wanted;
         }
