@@ -69,13 +69,7 @@ pub fn find(
     }
     let mut refusal: Option<String> = None;
     match geometry::guess(document, nodes, skins, &positions) {
-        Ok(bones) => answers.push(Found {
-            method: "geometry".into(),
-            confidence: 0.7,
-            bones,
-            sides_known: false,
-            warnings: Vec::new(),
-        }),
+        Ok(bones) => answers.push(by_geometry(bones, nodes)),
         Err(why) => refusal = why.filter(|_| answers.is_empty()),
     }
     answers.push(Found {
@@ -126,6 +120,26 @@ pub fn find(
             seen: seen(nodes),
             overrides: beside,
         }),
+    }
+}
+
+/// What the geometry found; its guess of the sides gives way to names that tell them.
+fn by_geometry(bones: BTreeMap<Role, usize>, nodes: &[RigNode]) -> Found {
+    let (mut right, mut wrong) = (0, 0);
+    for (role, node) in bones.iter().filter(|(role, _)| role.mirrored() != **role) {
+        let told = names::side_of(nodes[*node].name.as_deref().unwrap_or(""));
+        let guessed = if role.name().starts_with("left") { 1 } else { -1 };
+        right += usize::from(told == guessed);
+        wrong += usize::from(told == -guessed);
+    }
+    let sides_known = right.max(wrong) >= 6 && right.min(wrong) == 0;
+    let swap = sides_known && wrong > 0;
+    Found {
+        method: if sides_known { "geometry, sides by name".into() } else { "geometry".into() },
+        confidence: if sides_known { 0.8 } else { 0.7 },
+        bones: bones.into_iter().map(|(role, node)| (if swap { role.mirrored() } else { role }, node)).collect(),
+        sides_known,
+        warnings: Vec::new(),
     }
 }
 
