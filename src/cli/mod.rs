@@ -1,6 +1,79 @@
 //! The command line: parse, resolve, run, exit code.
+//!
+//! `args` only looks at the text of the arguments, `resolve` opens the files they name, one file a subcommand does the
+//! work, `writer` puts whole files on the disk. Results go to stdout, messages to stderr. No panic reaches the shell.
+
+pub mod args;
+pub mod bake;
+pub mod exit_code;
+pub mod inspect;
+pub mod new;
+pub mod parts;
+pub mod resolve;
+pub mod scenario_fault;
+pub mod sheet;
+pub mod writer;
+
+use args::{Args, Command};
+use clap::Parser;
+use exit_code::{Exit, Failure};
+use std::io::Write;
+use std::process::ExitCode;
 
 /// Runs the program with those arguments.
-pub fn run(_args: std::env::ArgsOs) -> std::process::ExitCode {
-    std::process::ExitCode::SUCCESS
+pub fn run(args: std::env::ArgsOs) -> ExitCode {
+    let outcome = exit_code::guarded(|| match Args::try_parse_from(args) {
+        Ok(args) => dispatch(args.command),
+        Err(error) => {
+            // Help and version are results, the rest is bad usage; clap knows which stream is whose.
+            let told = error.print();
+            match error.exit_code() {
+                0 => told.map(|()| Exit::Done).map_err(|error| Failure::stdout(&error)),
+                _ => Ok(Exit::BadInput),
+            }
+        }
+    });
+    match outcome {
+        Ok(exit) => exit.into(),
+        Err(failure) => {
+            complain(&failure.message);
+            failure.exit.into()
+        }
+    }
+}
+
+fn dispatch(command: Command) -> Result<Exit, Failure> {
+    match command {
+        Command::Bake(args) => bake::run(&args),
+        Command::Inspect(args) => inspect::run(&args),
+        Command::New(args) => new::run(&args),
+        Command::Sheet(args) => sheet::run(&args),
+        Command::Audit(_) => Err(not_yet("audit")),
+        Command::Correct(_) => Err(not_yet("correct")),
+        Command::Batch(_) => Err(not_yet("batch")),
+        Command::Studio(_) => Err(not_yet("studio")),
+    }
+}
+
+fn not_yet(command: &str) -> Failure {
+    Failure::bad_input(format!(
+        "`surefoot {command}` is not in this version yet\n  help: this version has bake, inspect, new and sheet"
+    ))
+}
+
+/// Writes a result to stdout.
+fn say(text: &str) -> Result<(), Failure> {
+    let mut stdout = std::io::stdout().lock();
+    stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).map_err(|error| Failure::stdout(&error))
+}
+
+/// Writes a message to stderr, where nothing can be done if that fails.
+fn tell(text: &str) {
+    drop(writeln!(std::io::stderr().lock(), "{text}"));
+}
+
+fn complain(message: &str) {
+    if !message.is_empty() {
+        tell(&format!("error: {message}"));
+    }
 }

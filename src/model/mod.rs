@@ -6,6 +6,10 @@ pub mod pose;
 pub mod report;
 pub mod role;
 pub mod scenario;
+pub mod scenario_errors;
+mod scenario_reader;
+pub mod scenario_rules;
+pub mod scenario_text;
 
 pub use body::{Body, BodyJoint, FootShape, Segment, Side};
 pub use clip::{Channel, Clip, Interpolation, KeyValues, Target};
@@ -13,3 +17,4 @@ pub use pose::BodyPose;
 pub use report::ClipReport;
 pub use role::Role;
 pub use scenario::Scenario;
+pub use scenario_errors::{ScenarioErrors, ScenarioSource};

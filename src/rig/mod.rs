@@ -4,6 +4,7 @@
 //! name tables of `rigs/names/`, geometry, override file) -> [`Body`] in scenario space.
 
 pub mod accessor;
+pub mod animate;
 pub mod bind;
 pub mod body;
 pub mod document;
@@ -13,17 +14,18 @@ pub mod images;
 pub mod inspect;
 pub mod load;
 pub mod mannequin;
+mod mannequin_document;
+mod mannequin_mesh;
+mod mannequin_shape;
 pub mod mapping;
 pub mod mesh;
 pub mod names;
 pub mod nodes;
 pub mod overrides;
-pub mod space;
-pub mod vrm;
-
-mod mannequin_mesh;
 mod segments;
 mod sole;
+pub mod space;
+pub mod vrm;
 
 pub use error::{Fault, RigError};
 pub use inspect::{inspect_json, inspect_text};
@@ -63,6 +65,8 @@ pub struct Document {
     pub glb_buffer: bool,
     /// Images decoded for pictures, by image index; `None` where it could not be read (never an error).
     pub images: Vec<Option<image::RgbaImage>>,
+    /// The files of images that lie beside the document (a relative uri), by image index: they move into an exported GLB.
+    pub image_files: Vec<Option<Vec<u8>>>,
 }
 
 /// A node: local transforms relative to its parent, document units.

@@ -1,0 +1,269 @@
+//! The arguments as text: what they are called, their forms and ranges. Opens nothing.
+
+use clap::{ArgGroup, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Reactive stepping and balance, baked into glTF animation clips.
+#[derive(Debug, Parser)]
+#[command(name = "surefoot", version, about, max_term_width = 100)]
+#[command(after_help = "Exit codes: 0 done (a fall is a result too); 1 --require-balance fell; 2 bad usage or input; \
+                        3 the work could not be completed.")]
+pub struct Args {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Bake a scenario onto a rig: one new clip in a copy of the rig's file
+    Bake(BakeArgs),
+    /// (not in this version yet) Find the frames of a clip whose feet disagree with its balance
+    Audit(LaterArgs),
+    /// (not in this version yet) Move the feet of a clip to where its balance needs them
+    Correct(LaterArgs),
+    /// (not in this version yet) Bake every variation of a sweep
+    Batch(LaterArgs),
+    /// Say what was found in a rig: bones, sizes, masses, feet
+    Inspect(InspectArgs),
+    /// Write a rig or a scenario to start from
+    New(NewArgs),
+    /// Draw a clip as a contact sheet
+    Sheet(SheetArgs),
+    /// (not in this version yet) Edit scenarios in a window
+    Studio(LaterArgs),
+}
+
+/// `surefoot bake`.
+#[derive(Debug, clap::Args)]
+#[command(group(ArgGroup::new("what").args(["scenario", "demo"]).required(true)))]
+pub struct BakeArgs {
+    /// .glb, .gltf or .vrm; `builtin` is the rig inside of the program
+    #[arg(value_name = "RIG")]
+    pub rig: PathBuf,
+    /// What happens, in TOML; `surefoot new scenario` writes an example
+    #[arg(value_name = "SCENARIO")]
+    pub scenario: Option<PathBuf>,
+    /// Bake a shove of 60 Ns from the left instead of a scenario
+    #[arg(long)]
+    pub demo: bool,
+    /// Where the copy with the new clip goes; with --demo exports/demo.glb where left out
+    #[arg(short, long, value_name = "OUT.glb", value_parser = glb_path, required_unless_present = "demo")]
+    pub output: Option<PathBuf>,
+    /// Also draw the clip as a contact sheet
+    #[arg(long, value_name = "FILE.png", value_parser = png_path)]
+    pub sheet: Option<PathBuf>,
+    /// Name of the new clip; made from the scenario's title where left out
+    #[arg(long, value_name = "NAME", value_parser = clip_name)]
+    pub clip: Option<String>,
+    /// Frames per second
+    #[arg(long, value_name = "N", default_value = "30", value_parser = fps)]
+    pub fps: f64,
+    /// Starts the random draws; the scenario's own where left out
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(0..=1 << 53))]
+    pub seed: Option<u64>,
+    /// Which node carries the way over the ground
+    #[arg(long, value_enum, default_value_t = Root::Root)]
+    pub root: Root,
+    /// What moves the body; `ragdoll` is not in this version yet
+    #[arg(long, value_enum, default_value_t = Drive::Auto)]
+    pub drive: Drive,
+    /// Bound on the help that the ragdoll's root gets: off, auto, or Nm[,N]
+    #[arg(long, value_name = "off|auto|NM[,N]", default_value = "auto", value_parser = assist)]
+    pub assist: Assist,
+    /// Exit 1 and write nothing if the character falls
+    #[arg(long)]
+    pub require_balance: bool,
+    /// Print the result as one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `surefoot inspect`.
+#[derive(Debug, clap::Args)]
+pub struct InspectArgs {
+    /// .glb, .gltf or .vrm; `builtin` is the rig inside of the program
+    #[arg(value_name = "RIG")]
+    pub rig: PathBuf,
+    /// Print one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `surefoot new`.
+#[derive(Debug, clap::Args)]
+pub struct NewArgs {
+    /// What to write
+    #[arg(value_enum)]
+    pub what: New,
+    /// Where to; a scenario goes to stdout where left out, a rig to exports/mannequin.glb
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// rig: metres from the ground to the top of the head, with ordinary legs; 1.7 where left out
+    #[arg(long, value_name = "M", value_parser = |text: &str| number(text, 0.3, 5.0, "m"))]
+    pub height: Option<f64>,
+    /// rig: times the legs' ordinary length; the height changes with them
+    #[arg(long, value_name = "N", value_parser = |text: &str| number(text, 0.3, 3.0, "times"))]
+    pub leg_scale: Option<f64>,
+}
+
+/// `surefoot sheet`.
+#[derive(Debug, clap::Args)]
+pub struct SheetArgs {
+    /// A .glb, .gltf or .vrm with clips
+    #[arg(value_name = "CLIP")]
+    pub file: PathBuf,
+    /// The picture
+    #[arg(short, long, value_name = "FILE.png", value_parser = png_path)]
+    pub output: PathBuf,
+    /// Which clip of the file; the last one where left out
+    #[arg(long, value_name = "NAME")]
+    pub clip: Option<String>,
+}
+
+/// Arguments of a subcommand that is still to come: anything.
+#[derive(Debug, clap::Args)]
+pub struct LaterArgs {
+    /// Not read yet
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
+    pub rest: Vec<std::ffi::OsString>,
+}
+
+/// Root motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Root {
+    /// A root node over the scene moves over the ground
+    Root,
+    /// The hips do
+    Hips,
+    /// Nothing does: the clip stays in its place
+    InPlace,
+}
+
+/// What moves the body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Drive {
+    /// The better of the two; the stepper in this version
+    Auto,
+    /// Joint torques and contacts
+    Ragdoll,
+    /// The body is posed on the pendulum's path
+    Stepper,
+}
+
+/// Bound on the help for the root.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Assist {
+    /// None.
+    Off,
+    /// The program's own bound.
+    Auto,
+    /// Nm, and N where given.
+    Bound(f64, Option<f64>),
+}
+
+/// What `new` writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum New {
+    /// A copy of the rig inside of the program, of other measures if you like
+    Rig,
+    /// A commented scenario with every key
+    Scenario,
+    /// (not in this version yet) A sweep
+    Sweep,
+}
+
+fn number(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| format!("give a number of {unit}"))?;
+    if number >= low && number <= high { Ok(number) } else { Err(format!("give {low} to {high} {unit}")) }
+}
+
+fn fps(text: &str) -> Result<f64, String> {
+    number(text, 1.0, 240.0, "frames per second")
+}
+
+fn clip_name(text: &str) -> Result<String, String> {
+    let good = !text.trim().is_empty() && text.chars().count() <= 200 && !text.chars().any(char::is_control);
+    if good { Ok(text.to_owned()) } else { Err("give 1 to 200 visible letters".to_owned()) }
+}
+
+fn assist(text: &str) -> Result<Assist, String> {
+    const FORMS: &str = "give off, auto, Nm, or Nm,N as in 50,100";
+    let bound = |text: &str| match text.trim().parse::<f64>() {
+        Ok(number) if number >= 0.0 && number.is_finite() => Ok(number),
+        _ => Err(FORMS.to_owned()),
+    };
+    match text {
+        "off" => Ok(Assist::Off),
+        "auto" => Ok(Assist::Auto),
+        _ => match text.split_once(',') {
+            None => Ok(Assist::Bound(bound(text)?, None)),
+            Some((moment, force)) => Ok(Assist::Bound(bound(moment)?, Some(bound(force)?))),
+        },
+    }
+}
+
+fn glb_path(text: &str) -> Result<PathBuf, String> {
+    with_ending(text, &["glb", "vrm"], "a baked clip is a binary glTF file: let its name end in .glb")
+}
+
+fn png_path(text: &str) -> Result<PathBuf, String> {
+    with_ending(text, &["png"], "the picture is a PNG file: let its name end in .png")
+}
+
+fn with_ending(text: &str, endings: &[&str], remedy: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
+    if ending.is_some_and(|ending| endings.contains(&ending.as_str())) { Ok(path) } else { Err(remedy.to_owned()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    fn parsed(line: &str) -> Result<Command, clap::Error> {
+        Args::try_parse_from(line.split(' ')).map(|args| args.command)
+    }
+
+    #[test]
+    fn the_arguments_are_consistent() {
+        Args::command().debug_assert();
+    }
+
+    #[test]
+    fn the_demo_needs_neither_scenario_nor_output() {
+        assert!(matches!(parsed("surefoot bake builtin --demo"), Ok(Command::Bake(args)) if args.demo));
+        assert!(parsed("surefoot bake builtin").is_err(), "neither scenario nor demo");
+        assert!(parsed("surefoot bake builtin s.toml").is_err(), "no output");
+        assert!(parsed("surefoot bake builtin s.toml --demo -o a.glb").is_err(), "both");
+    }
+
+    #[test]
+    fn forms_out_of_range_are_refused() {
+        for flag in [
+            "--fps 0",
+            "--fps nan",
+            "--fps 1e9",
+            "--seed -1",
+            "--assist half",
+            "--assist 5,",
+            "--assist -1",
+            "--root x",
+            "--drive y",
+        ] {
+            assert!(parsed(&format!("surefoot bake a b -o c.glb {flag}")).is_err(), "{flag}");
+        }
+        for flag in ["--fps 29.97", "--seed 7", "--assist 50,100", "--assist off", "--root in-place", "--drive ragdoll"]
+        {
+            assert!(parsed(&format!("surefoot bake a b -o c.glb {flag}")).is_ok(), "{flag}");
+        }
+        assert!(parsed("surefoot bake a b -o c.gltf").is_err(), "only binary glTF is written");
+    }
+
+    #[test]
+    fn what_is_to_come_takes_any_arguments() {
+        assert!(matches!(parsed("surefoot audit a.glb --json - --strict"), Ok(Command::Audit(_))));
+    }
+}

@@ -1,0 +1,204 @@
+//! `surefoot bake`: a scenario onto a rig, and what came of it for the person and for programs.
+
+use super::args::{Assist, BakeArgs, Drive};
+use super::exit_code::{Exit, Failure};
+use super::parts::{self, Bake, BakeChoices};
+use super::writer::{self, Output};
+use super::{resolve, say, tell};
+use crate::model::report::{ClipReport, Contact, Outcome, Part};
+use crate::model::{Scenario, Side};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+/// Where `--demo` writes unless it is told.
+const DEMO_OUTPUT: &str = "exports/demo.glb";
+
+/// Bakes.
+pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
+    if args.drive == Drive::Ragdoll {
+        return Err(Failure::bad_input(
+            "`--drive ragdoll` is not in this version yet\n  help: `--drive stepper`, or leave it out",
+        ));
+    }
+    if !matches!(args.assist, Assist::Auto | Assist::Off) {
+        tell("warning: --assist bounds the ragdoll's help; the stepper takes none, so it changes nothing");
+    }
+    let output = args.output.clone().unwrap_or_else(|| PathBuf::from(DEMO_OUTPUT));
+    let events = output.with_extension("events.json");
+    let mut places: Vec<&Path> = vec![&output, &events];
+    places.extend(args.sheet.as_deref());
+
+    // Everything that can be wrong with the arguments is told before the work starts.
+    let mut inputs: Vec<PathBuf> = Vec::new();
+    let scenario = match &args.scenario {
+        Some(path) => {
+            inputs.push(path.clone());
+            resolve::scenario(path)?
+        }
+        None => Scenario::demo(),
+    };
+    let rig = resolve::rig(&args.rig)?;
+    inputs.extend(rig.files);
+    let rig = rig.rig;
+    writer::check(&places, &inputs)?;
+    for warning in &rig.mapping.warnings {
+        tell(&format!("warning: {}: {warning}", args.rig.display()));
+    }
+
+    let choices =
+        BakeChoices { clip: args.clip.as_deref(), fps: args.fps, seed: args.seed, root: args.root, drive: args.drive };
+    let baked = parts::bake(&rig, &scenario, &choices)?;
+    for warning in &baked.warnings {
+        tell(&format!("warning: {warning}"));
+    }
+    let fell = baked.report.outcome == Outcome::Fall;
+    if fell && args.require_balance {
+        if args.json {
+            say(&as_json(&baked, None, None))?;
+        }
+        tell("the character fell: nothing was written (--require-balance)");
+        return Ok(Exit::Refused);
+    }
+
+    let mut outputs = vec![
+        Output { path: output.clone(), bytes: parts::glb(&rig, &baked.clip, &baked.report)? },
+        Output { path: events.clone(), bytes: parts::events(&baked.clip, &baked.report)? },
+    ];
+    if let Some(sheet) = &args.sheet {
+        outputs.push(Output { path: sheet.clone(), bytes: parts::sheet(&rig, &baked)? });
+    }
+    let size = outputs[0].bytes.len();
+    writer::write(&outputs, &inputs)?;
+    let places = Places { output: &output, events: &events };
+    say(&match args.json {
+        true => as_json(&baked, Some(&places), args.sheet.as_deref()),
+        false => summary(&baked, &places, size, args.sheet.as_deref()),
+    })?;
+    Ok(Exit::Done)
+}
+
+/// Where the results are.
+struct Places<'a> {
+    output: &'a Path,
+    events: &'a Path,
+}
+
+/// One JSON object on one line.
+fn as_json(baked: &Bake, places: Option<&Places>, sheet: Option<&Path>) -> String {
+    let text = |path: Option<&Path>| path.map(|path| path.display().to_string());
+    let object = json!({
+        "output": text(places.map(|places| places.output)),
+        "events": text(places.map(|places| places.events)),
+        "sheet": text(sheet),
+        "clip": baked.clip.name,
+        "warnings": baked.warnings,
+        "report": baked.report,
+    });
+    format!("{object}\n")
+}
+
+/// What came of it, for a person.
+fn summary(baked: &Bake, places: &Places, size: usize, sheet: Option<&Path>) -> String {
+    let report = &baked.report;
+    let mut text = String::new();
+    let mut line = |label: &str, what: std::fmt::Arguments| {
+        text += &format!("{label:<11}{what}\n");
+    };
+    line("baked", format_args!("{} ({})", places.output.display(), bytes(size)));
+    line("events", format_args!("{}", places.events.display()));
+    if let Some(sheet) = sheet {
+        line("sheet", format_args!("{}", sheet.display()));
+    }
+    line(
+        "clip",
+        format_args!(
+            "{}: {:.2} s at {} fps, root motion {}, drive {}, seed {}",
+            baked.clip.name, report.duration, report.fps, report.root_motion, report.drive, report.seed
+        ),
+    );
+    line("body", format_args!("{:.1} kg, {:.2} m", report.body.mass, report.body.height));
+    line("outcome", format_args!("{}", outcome(report)));
+    for (index, push) in report.disturbances.iter().enumerate() {
+        let force = glam::DVec3::from(push.force).length();
+        line(
+            if index == 0 { "pushed" } else { "" },
+            format_args!(
+                "{} of {:.0} N at {} from {:.2} to {:.2} s ({:.1} Ns)",
+                push.kind,
+                force,
+                push.bone,
+                push.start,
+                push.end,
+                force * (push.end - push.start)
+            ),
+        );
+    }
+    for (index, contact) in report.contacts.iter().enumerate() {
+        line(if index == 0 { "contacts" } else { "" }, format_args!("{}", contact_row(contact)));
+    }
+    for (index, event) in report.events.iter().enumerate() {
+        let foot = event.foot.map_or("", |side| side_name(side));
+        line(if index == 0 { "happens" } else { "" }, format_args!("{:7.3} s  {} {foot}", event.time, event.name));
+    }
+    let measured = &report.plausibility;
+    line(
+        "plausible",
+        format_args!(
+            "{:.2}: ZMP inside {:.1} % (p95 {:.1} cm out), slip {:.2} mm, penetration {:.1} mm, peak ankle {:.1} m/s, speed ratio {:.2}",
+            measured.score,
+            measured.zmp_inside * 100.0,
+            measured.zmp_outside_p95_cm,
+            measured.slip_max_mm,
+            measured.penetration_max_mm,
+            measured.peak_ankle_speed,
+            measured.speed_ratio
+        ),
+    );
+    for note in &measured.notes {
+        line("", format_args!("{note}"));
+    }
+    text
+}
+
+fn outcome(report: &ClipReport) -> String {
+    let steps = match report.steps {
+        1 => "1 step".to_owned(),
+        steps => format!("{steps} steps"),
+    };
+    match report.outcome {
+        Outcome::Still => "still: nothing moved".to_owned(),
+        Outcome::Sway => "sway: the feet stayed where they were".to_owned(),
+        Outcome::Step => format!("step: {steps}, and it stands"),
+        Outcome::Fall => format!("fall: balance was lost after {steps}; the clip ends there"),
+    }
+}
+
+fn contact_row(contact: &Contact) -> String {
+    let part = match contact.part {
+        Part::Heel => "heel",
+        Part::Ball => "ball",
+        Part::Flat => "flat",
+    };
+    let foot = side_name(contact.foot);
+    let [x, y, z] = contact.position;
+    let slip = contact.slip_mm;
+    format!(
+        "{foot:<5}  {part}  {:7.3} to {:7.3} s  at ({x:6.2}, {y:5.2}, {z:6.2})  slip {slip:.2} mm",
+        contact.start, contact.end
+    )
+}
+
+fn side_name(side: Side) -> &'static str {
+    match side {
+        Side::Left => "left",
+        Side::Right => "right",
+    }
+}
+
+fn bytes(size: usize) -> String {
+    match size {
+        0..10_000 => format!("{size} bytes"),
+        10_000..10_000_000 => format!("{:.0} kB", size as f64 / 1e3),
+        _ => format!("{:.1} MB", size as f64 / 1e6),
+    }
+}

@@ -1,0 +1,132 @@
+//! From the names in the arguments to what they hold: looks at the files, reads them, says what is wrong with them.
+
+use super::exit_code::{Exit, Failure};
+use super::{parts, scenario_fault, tell};
+use crate::model::scenario_text;
+use crate::model::{Scenario, ScenarioSource};
+use crate::rig::Rig;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The largest scenario that is read, bytes: past that it is some other file.
+const LARGEST_SCENARIO: u64 = 4 << 20;
+
+/// A rig and the files that it came from.
+pub struct RigInput {
+    /// The rig.
+    pub rig: Rig,
+    /// Every file that was read for it; none for the built-in rig.
+    pub files: Vec<PathBuf>,
+}
+
+/// Loads the rig of that name.
+pub fn rig(path: &Path) -> Result<RigInput, Failure> {
+    if path.as_os_str() == "builtin" {
+        return Ok(RigInput { rig: parts::builtin_rig()?, files: Vec::new() });
+    }
+    plain_file(path, "a rig is a .glb, .gltf or .vrm file; `builtin` is the rig inside of the program")?;
+    match ending(path).as_str() {
+        "fbx" => {
+            return Err(Failure::bad_input(format!(
+                "{}: an .fbx file cannot carry the clip\n  help: convert the rig first: in Blender File > Import > FBX, then \
+                 File > Export > glTF 2.0 (.glb)",
+                path.display()
+            )));
+        }
+        "toml" => {
+            return Err(Failure::bad_input(format!(
+                "{}: a scenario stands where the rig should\n  help: the order is `surefoot bake RIG SCENARIO -o OUT.glb`",
+                path.display()
+            )));
+        }
+        _ => {}
+    }
+    let rig = parts::load_rig(path)?;
+    let files = files_of(&rig, path);
+    Ok(RigInput { rig, files })
+}
+
+/// Reads a scenario and refuses what cannot be baked yet, with file and line.
+pub fn scenario(path: &Path) -> Result<Scenario, Failure> {
+    let (scenario, source) = read_scenario(path)?;
+    let later = scenario.unavailable();
+    if later.is_empty() { Ok(scenario) } else { Err(faulty(&source.errors(&later))) }
+}
+
+fn read_scenario(path: &Path) -> Result<(Scenario, ScenarioSource), Failure> {
+    let there = plain_file(path, "`surefoot new scenario -o FILE.toml` writes one to start from")?;
+    let not_text = |what: &str| {
+        Failure::bad_input(format!(
+            "{}: {what}\n  help: a scenario is a TOML text; the order is `surefoot bake RIG SCENARIO -o OUT.glb`",
+            path.display()
+        ))
+    };
+    if there.len() > LARGEST_SCENARIO {
+        return Err(not_text("too large for a scenario"));
+    }
+    let bytes =
+        fs::read(path).map_err(|error| Failure::bad_input(format!("{}: cannot be read: {error}", path.display())))?;
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = good.iter().filter(|byte| **byte == b'\n').count() + 1;
+        not_text(&format!("line {line} is not UTF-8 text"))
+    })?;
+    scenario_text::read(&path.display().to_string(), &text).map_err(|errors| faulty(&errors))
+}
+
+/// Prints the faults of a scenario; the failure that remains has nothing to add.
+fn faulty(errors: &crate::model::ScenarioErrors) -> Failure {
+    tell(scenario_fault::draw(errors).trim_end());
+    let count = errors.faults.len();
+    let faults = if count == 1 { "1 fault".to_owned() } else { format!("{count} faults") };
+    Failure { exit: Exit::BadInput, message: format!("{faults} in {}; nothing was written", errors.name) }
+}
+
+/// Makes sure that a path leads to a plain file.
+pub fn plain_file(path: &Path, remedy: &str) -> Result<fs::Metadata, Failure> {
+    let complain =
+        |what: String, remedy: &str| Err(Failure::bad_input(format!("{}: {what}\n  help: {remedy}", path.display())));
+    match fs::metadata(path) {
+        Ok(there) if there.is_dir() => complain("this is a folder, not a file".to_owned(), remedy),
+        Ok(there) if !there.is_file() => complain("this is not a plain file".to_owned(), remedy),
+        Ok(there) => Ok(there),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => match neighbour(path) {
+            Some(name) => complain("no such file".to_owned(), &format!("did you mean {name}?")),
+            None => complain("no such file".to_owned(), remedy),
+        },
+        Err(error) => complain(format!("cannot be read: {error}"), remedy),
+    }
+}
+
+/// A file of the same folder whose name differs in its ending or its case only.
+fn neighbour(path: &Path) -> Option<String> {
+    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let wanted = path.file_stem()?.to_string_lossy().to_lowercase();
+    let entries = fs::read_dir(folder).ok()?;
+    let mut alike: Vec<PathBuf> = entries
+        .flatten()
+        .map(|entry| path.with_file_name(entry.file_name()))
+        .filter(|other| other.file_stem().is_some_and(|stem| stem.to_string_lossy().to_lowercase() == wanted))
+        .filter(|other| other.is_file())
+        .collect();
+    alike.sort();
+    alike.first().map(|other| other.display().to_string())
+}
+
+/// The rig's file, its override file, and the buffers and images that lie beside it.
+fn files_of(rig: &Rig, path: &Path) -> Vec<PathBuf> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut files = vec![path.to_path_buf(), path.with_extension("bones.toml")];
+    for list in ["buffers", "images"] {
+        let entries = rig.document.json.get(list).and_then(|list| list.as_array()).into_iter().flatten();
+        let uris = entries.filter_map(|entry| entry.get("uri").and_then(|uri| uri.as_str()));
+        for uri in uris.filter(|uri| !uri.starts_with("data:")) {
+            files.push(folder.join(percent_encoding::percent_decode_str(uri).decode_utf8_lossy().as_ref()));
+        }
+    }
+    files
+}
+
+fn ending(path: &Path) -> String {
+    path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default()
+}

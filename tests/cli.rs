@@ -1,0 +1,214 @@
+//! What a person at the shell meets: the built program, its exit codes, its words, its files.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+const SHOVE: &str = "title = \"shove\"\n\n[[push]]\nstart = 0.5\nduration = 0.2\nforce = 250.0\ntoward = \"right\"\n";
+
+/// An empty folder that the program runs in.
+struct Shell {
+    folder: tempfile::TempDir,
+}
+
+/// What came of a command.
+struct Told {
+    code: i32,
+    out: String,
+    err: String,
+}
+
+impl Shell {
+    fn new() -> Shell {
+        Shell { folder: tempfile::tempdir().expect("a folder for the test") }
+    }
+
+    fn with(files: &[(&str, &str)]) -> Shell {
+        let shell = Shell::new();
+        for (name, text) in files {
+            fs::write(shell.path(name), text).expect("the test's own folder");
+        }
+        shell
+    }
+
+    fn path(&self, name: &str) -> std::path::PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Runs `surefoot` with those words, split at blanks.
+    fn run(&self, words: &str) -> Told {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_surefoot"));
+        command.args(words.split_whitespace()).current_dir(self.folder.path()).env("NO_COLOR", "1");
+        let Output { status, stdout, stderr } = command.output().expect("the program was built");
+        let text = |bytes| String::from_utf8(bytes).expect("the program speaks UTF-8");
+        let told = Told { code: status.code().unwrap_or(-1), out: text(stdout), err: text(stderr) };
+        assert!(!told.err.contains("panicked") && !told.err.contains("broke down"), "{words}: {}", told.err);
+        told
+    }
+
+    /// Names in the folder and below, sorted.
+    fn files(&self) -> Vec<String> {
+        fn walk(folder: &Path, root: &Path, names: &mut Vec<String>) {
+            for entry in fs::read_dir(folder).expect("the test's own folder").flatten() {
+                match entry.path() {
+                    path if path.is_dir() => walk(&path, root, names),
+                    path => names.push(path.strip_prefix(root).expect("below").display().to_string()),
+                }
+            }
+        }
+        let mut names = Vec::new();
+        walk(self.folder.path(), self.folder.path(), &mut names);
+        names.sort();
+        names
+    }
+}
+
+impl Told {
+    #[track_caller]
+    fn exits(self, code: i32) -> Told {
+        assert_eq!(self.code, code, "stdout:\n{}\nstderr:\n{}", self.out, self.err);
+        self
+    }
+
+    #[track_caller]
+    fn says(self, parts: &[&str]) -> Told {
+        for part in parts {
+            assert!(self.err.contains(part), "stderr lacks `{part}`:\n{}", self.err);
+        }
+        self
+    }
+
+    fn json(&self) -> serde_json::Value {
+        serde_json::from_str(&self.out).unwrap_or_else(|error| panic!("{error} in {}", self.out))
+    }
+}
+
+#[test]
+fn help_is_a_result_and_names_every_command() {
+    let told = Shell::new().run("--help").exits(0);
+    for command in ["bake", "audit", "correct", "batch", "inspect", "new", "sheet", "studio"] {
+        assert!(told.out.contains(command), "{command}");
+    }
+    assert_eq!(told.err, "");
+}
+
+#[test]
+fn bad_usage_exits_two() {
+    for words in ["", "bkae", "bake", "bake a.glb", "bake a.glb b.toml", "bake builtin --demo --fps 0", "new castle"] {
+        let told = Shell::new().run(words).exits(2);
+        assert_eq!(told.out, "", "{words}");
+    }
+}
+
+#[test]
+fn what_is_still_to_come_says_so_and_exits_two() {
+    let shell = Shell::with(&[("shove.toml", SHOVE)]);
+    for words in [
+        "audit walk.glb --json -",
+        "correct walk.glb -o out.glb",
+        "batch sweep.toml -o out",
+        "studio",
+        "new sweep",
+        "bake builtin shove.toml -o out.glb --drive ragdoll",
+    ] {
+        shell.run(words).exits(2).says(&["not in this version yet"]);
+    }
+    assert_eq!(shell.files(), ["shove.toml"]);
+}
+
+#[test]
+fn a_faulty_scenario_shows_each_line_and_what_would_be_right() {
+    let shell = Shell::with(&[("s.toml", &SHOVE.replace("duration", "duraton").replace("250.0", "-250.0"))]);
+    let told = shell.run("bake builtin s.toml -o out.glb").exits(2).says(&[
+        "s.toml:5:1",
+        "duraton = 0.2",
+        "did you mean `duration`?",
+        "s.toml:6:9",
+        "force = -250.0",
+        "turn `toward` round",
+        "nothing was written",
+    ]);
+    assert_eq!(told.out, "");
+    assert_eq!(shell.files(), ["s.toml"]);
+}
+
+#[test]
+fn what_cannot_be_baked_yet_is_refused_with_its_line() {
+    let walking = format!("{SHOVE}\n[[walk]]\nstart = 0.1\nspeed = 1.0\n");
+    let shell = Shell::with(&[("s.toml", &walking), ("g.toml", "[ground]\nkind = \"slope\"\nangle = 5.0\n")]);
+    let words = "not available yet: this version bakes push and pull on flat ground";
+    shell.run("bake builtin s.toml -o out.glb").exits(2).says(&["s.toml:9:", words]);
+    shell.run("bake builtin g.toml -o out.glb").exits(2).says(&["g.toml:2:", words]);
+    assert_eq!(shell.files(), ["g.toml", "s.toml"]);
+}
+
+#[test]
+fn inputs_that_are_no_files_are_named() {
+    let shell = Shell::with(&[("shove.toml", SHOVE), ("hero.gltf", "x"), ("bin.toml", "")]);
+    fs::write(shell.path("bin.toml"), [0x67, 0x0a, 0xff, 0xfe]).expect("written");
+    fs::create_dir(shell.path("folder")).expect("made");
+    shell.run("bake nobody.glb shove.toml -o out.glb").exits(2).says(&["nobody.glb", "no such file"]);
+    shell.run("bake hero.glb shove.toml -o out.glb").exits(2).says(&["hero.glb", "did you mean hero.gltf?"]);
+    shell.run("bake folder shove.toml -o out.glb").exits(2).says(&["folder", "not a file"]);
+    shell.run("bake builtin nothing.toml -o out.glb").exits(2).says(&["nothing.toml", "surefoot new scenario"]);
+    shell.run("bake builtin folder -o out.glb").exits(2).says(&["folder", "not a file"]);
+    shell.run("bake builtin bin.toml -o out.glb").exits(2).says(&["bin.toml", "line 2", "UTF-8"]);
+    shell.run("bake shove.toml shove.toml -o out.glb").exits(2).says(&["the order is"]);
+    shell.run("inspect nobody.vrm").exits(2).says(&["nobody.vrm", "no such file"]);
+    shell.run("sheet nobody.glb -o a.png").exits(2).says(&["nobody.glb", "no such file"]);
+    assert_eq!(shell.files(), ["bin.toml", "hero.gltf", "shove.toml"]);
+}
+
+#[test]
+fn an_fbx_rig_is_refused_with_how_to_convert_it() {
+    let shell = Shell::with(&[("hero.fbx", "Kaydara FBX Binary"), ("shove.toml", SHOVE)]);
+    shell.run("bake hero.fbx shove.toml -o out.glb").exits(2).says(&["hero.fbx", "glTF 2.0"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_device_is_neither_read_nor_replaced() {
+    let shell = Shell::with(&[("shove.toml", SHOVE)]);
+    shell.run("bake /dev/zero shove.toml -o out.glb").exits(2).says(&["not a plain file"]);
+    shell.run("bake builtin /dev/zero -o out.glb").exits(2).says(&["not a plain file"]);
+}
+
+#[test]
+fn a_new_scenario_goes_to_stdout_and_bakes_as_it_stands() {
+    let shell = Shell::new();
+    let told = shell.run("new scenario").exits(0);
+    assert_eq!(surefoot::model::scenario_text::parse("x", &told.out).expect("good"), surefoot::model::Scenario::demo());
+    shell.run("new scenario -o shove.toml").exits(0);
+    assert_eq!(fs::read_to_string(shell.path("shove.toml")).expect("there"), told.out);
+}
+
+#[test]
+fn a_new_file_never_replaces_one_that_is_there() {
+    let shell = Shell::with(&[("mine.toml", "my work"), ("mine.glb", "my rig")]);
+    shell.run("new scenario -o mine.toml").exits(2).says(&["mine.toml", "already"]);
+    shell.run("new rig -o mine.glb").exits(2);
+    assert_eq!(fs::read_to_string(shell.path("mine.toml")).expect("there"), "my work");
+    assert_eq!(fs::read_to_string(shell.path("mine.glb")).expect("there"), "my rig");
+}
+
+#[test]
+fn a_reader_that_stops_early_is_no_failure() {
+    use std::process::Stdio;
+    let mut command = Command::new(env!("CARGO_BIN_EXE_surefoot"));
+    let mut child =
+        command.args(["new", "scenario"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("runs");
+    drop(child.stdout.take());
+    let output = child.wait_with_output().expect("ends");
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_at_stdout_exits_three() {
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("a device that is always full");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_surefoot"));
+    let output = command.args(["new", "scenario"]).stdout(full).output().expect("runs");
+    assert_eq!(output.status.code(), Some(3));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("cannot write to stdout"));
+}
