@@ -1,6 +1,7 @@
 //! Broken and malicious files as RIG: an error that names the file, or a rig; never a panic, never a second.
 
-use super::rigs::{data, nothing, sticks};
+use super::rig_variants::{nothing, sticks};
+use super::rigs::data;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};

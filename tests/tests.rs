@@ -14,7 +14,9 @@ mod export;
 mod hostile;
 /// What the measures say of a walk over force plates.
 mod measure;
-/// Real rigs and variants of them: bones, height, heading, unit.
+/// Rigs made from others or from nothing: scales, axes, skins, naming conventions, lacking bones, overrides.
+mod rig_variants;
+/// Real rigs: bones, height, heading, unit.
 mod rigs;
 /// Rigs and motions made by hand for the modules above.
 mod synthetic;

@@ -13,15 +13,15 @@ use std::collections::BTreeMap;
 const METRES: std::ops::RangeInclusive<f64> = 0.4..=3.5;
 /// Units that files come in, metres each, likeliest first, and how tall a body may then be, m.
 const UNITS: [(f64, std::ops::RangeInclusive<f64>); 9] = [
-    (0.01, 1.0..=2.35),
-    (0.1, 1.0..=2.35),
-    (0.001, 1.0..=2.35),
+    (0.01, 1.0..=2.6),
+    (0.1, 1.0..=2.6),
+    (0.001, 1.0..=2.6),
     (0.0254, 1.3..=2.1),
     (0.3048, 1.3..=2.1),
     (0.056_444, 1.3..=2.1), // CMU's: inches over 0.45
-    (10.0, 1.0..=2.35),
-    (100.0, 1.0..=2.35),
-    (1000.0, 1.0..=2.35),
+    (10.0, 1.0..=2.6),
+    (100.0, 1.0..=2.6),
+    (1000.0, 1.0..=2.6),
 ];
 /// Between the spine and the legs, stretched: a human's is near 1, a quadruped's near 0.
 const UPRIGHT: f64 = 0.5;
