@@ -1,6 +1,6 @@
 //! Rigs made from others or from nothing: scales, axes, units, skins, conventions, lacking bones, overrides.
 
-use super::rigs::{data, place, stands_as_scenario_space_says};
+use super::rigs::{data, stands_as_scenario_space_says};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use surefoot::model::Role;

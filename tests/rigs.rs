@@ -298,7 +298,7 @@ fn height(rig: &Rig) -> f64 {
 }
 
 /// A joint at rest, m.
-pub fn place(rig: &Rig, role: Role) -> Option<glam::DVec3> {
+fn place(rig: &Rig, role: Role) -> Option<glam::DVec3> {
     rig.body.joint(role).map(|joint| rig.body.joints[joint].rest)
 }
 

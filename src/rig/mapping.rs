@@ -20,6 +20,8 @@ pub struct Found {
     pub confidence: f64,
     /// Role to node.
     pub bones: BTreeMap<Role, usize>,
+    /// Required bones that the convention has none for.
+    pub without: Vec<Role>,
     /// Left and right come from the file, not from a guess.
     pub sides_known: bool,
     /// Sentences.
@@ -48,23 +50,25 @@ pub fn find(
             method: declared.method.into(),
             confidence: 1.0,
             bones: declared.bones,
+            without: Vec::new(),
             sides_known: true,
             warnings: Vec::new(),
         });
     }
     let rank = rank(document, nodes, skins);
     if let Some(found) = names::match_tables(nodes, &rank, &given) {
-        let without: Vec<String> = found
+        let notes: Vec<String> = found
             .without
             .iter()
             .map(|role| format!("{} rigs have no {} bone: its place is assumed", found.table, role.name()))
             .collect();
         answers.push(Found {
             method: format!("names: {}", found.table),
-            confidence: if without.is_empty() { 0.97 } else { 0.75 },
+            confidence: if notes.is_empty() { 0.97 } else { 0.75 },
             bones: found.bones,
+            without: found.without,
             sides_known: true,
-            warnings: without,
+            warnings: notes,
         });
     }
     let mut refusal: Option<String> = None;
@@ -76,6 +80,7 @@ pub fn find(
         method: "override".into(),
         confidence: 1.0,
         bones: BTreeMap::new(),
+        without: Vec::new(),
         sides_known: true,
         warnings: Vec::new(),
     });
@@ -138,6 +143,7 @@ fn by_geometry(bones: BTreeMap<Role, usize>, nodes: &[RigNode]) -> Found {
         method: if sides_known { "geometry, sides by name".into() } else { "geometry".into() },
         confidence: if sides_known { 0.8 } else { 0.7 },
         bones: bones.into_iter().map(|(role, node)| (if swap { role.mirrored() } else { role }, node)).collect(),
+        without: Vec::new(),
         sides_known,
         warnings: Vec::new(),
     }
@@ -157,11 +163,10 @@ fn speak(answer: &mut Found, spoken: &BTreeMap<Role, Option<usize>>) {
     }
 }
 
-/// Required bones that the answer lacks. A convention without a head bone says so in its warnings.
+/// Required bones that the answer lacks, but for those that its convention never has.
 fn missing(answer: &Found) -> Vec<Role> {
-    let headless = answer.warnings.iter().any(|warning| warning.contains("no head bone"));
-    let lacks = |role: &&Role| !answer.bones.contains_key(role) && !(headless && **role == Role::Head);
-    Role::REQUIRED.iter().filter(lacks).copied().collect()
+    let had = |role: &Role| answer.bones.contains_key(role) || answer.without.contains(role);
+    Role::REQUIRED.into_iter().filter(|role| !had(role)).collect()
 }
 
 /// A limb whose bones do not hang on one another.
