@@ -10,9 +10,15 @@ mod cli;
 mod common;
 /// Baked files: the source kept whole, read again, by the Khronos validator, three.js.
 mod export;
+/// Files that are broken, malicious or of another kind.
+mod hostile;
 /// What the measures say of a walk over force plates.
 mod measure;
 /// Contact sheets of real rigs.
 mod picture;
+/// Rigs made from others or from nothing: scales, axes, skins, naming conventions, lacking bones, overrides.
+mod rig_variants;
+/// Real rigs: bones, height, heading, unit.
+mod rigs;
 /// Rigs and motions made by hand for the modules above.
 mod synthetic;
