@@ -85,7 +85,7 @@ pub(super) fn arm_direction() -> DVec3 {
 }
 
 /// Where the left arm begins, m.
-pub(super) const SHOULDER: DVec3 = DVec3::new(0.178, 1.375, -0.012);
+pub(super) const SHOULDER: DVec3 = DVec3::new(0.170, 1.368, -0.013);
 
 /// Root, trunk, and both sides.
 fn skeleton() -> Vec<Bone> {
