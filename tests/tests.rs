@@ -8,3 +8,13 @@ mod bodies;
 /// The program at the shell: exit codes, words, files.
 mod cli;
 mod common;
+/// Baked files: the source kept whole, read again, by the Khronos validator, three.js.
+mod export;
+/// Files that are broken, malicious or of another kind.
+mod hostile;
+/// What the measures say of a walk over force plates.
+mod measure;
+/// Real rigs and variants of them: bones, height, heading, unit.
+mod rigs;
+/// Rigs and motions made by hand for the modules above.
+mod synthetic;

@@ -146,15 +146,19 @@ fn picture(frame: &Frame, camera: &Camera, width: usize, height: usize) -> RgbaI
     let lamp = (lights.key + DVec3::Y * 1.4).normalize();
     let shadow = GroundShadow::cast(&frame.surfaces, lamp);
     let mut canvas = Canvas::new(width, height);
-    canvas.background(camera, shadow.as_ref());
+    canvas.background(camera);
     marks::draw_ground(&mut canvas, camera, &frame.overlay);
+    if let Some(shadow) = &shadow {
+        canvas.shade_ground(camera, shadow);
+    }
     for surface in &frame.surfaces {
         canvas.surface(camera, &lights, surface, true);
     }
     marks::draw_pushes(&mut canvas, camera, &lights, &frame.overlay, &frame.surfaces);
     canvas.ink();
     let mut image = canvas.resolve();
-    marks::draw_points(&mut image, camera, &frame.overlay);
+    let size = (height as f64 / 214.0).sqrt().clamp(0.75, 1.25);
+    marks::draw_points(&mut image, camera, &frame.overlay, size);
     image
 }
 
@@ -164,16 +168,16 @@ fn cameras(frames: &[Frame], view: View, width: u32, height: u32) -> Vec<Camera>
         View::Front => (DVec3::X, DVec3::Z),
         View::Side => (DVec3::NEG_Z, DVec3::X),
     };
-    let boxes: Vec<(DVec3, DVec3)> = frames.iter().map(bounds).collect();
-    let top = boxes.iter().map(|(_, high)| high.y).fold(0.3, f64::max).min(6.0);
+    let found: Vec<(DVec3, DVec3)> = frames.iter().map(bounds).collect();
+    let top = found.iter().map(|(_, high)| high.y).fold(0.3, f64::max).min(6.0);
     // The widest body decides in both views, so that front and side have one scale.
-    let widest = boxes.iter().map(|(low, high)| (high.x - low.x).max(high.z - low.z)).fold(0.3, f64::max).min(8.0);
+    let widest = found.iter().map(|(low, high)| (high.x - low.x).max(high.z - low.z)).fold(0.3, f64::max).min(8.0);
     let (head_room, foot_room) = (25.0, 15.0);
     let scale = ((f64::from(height) - head_room - foot_room) / top).min((f64::from(width) - 18.0) / widest);
     let room = f64::from(width) / scale - 0.06;
     // Arrows are seen whole where there is room for them beside the body.
     let boxes: Vec<(DVec3, DVec3)> =
-        frames.iter().zip(&boxes).map(|(frame, found)| with_arrows(frame, *found, right, room)).collect();
+        frames.iter().zip(&found).map(|(frame, found)| with_arrows(frame, *found, right, room)).collect();
     let follow = |axis: DVec3, room: f64, whole_box: bool| -> Vec<f64> {
         let spans: Vec<(f64, f64)> = boxes
             .iter()
@@ -184,7 +188,11 @@ fn cameras(frames: &[Frame], view: View, width: u32, height: u32) -> Vec<Camera>
             .collect();
         let low = spans.iter().map(|(at, half)| at - half).fold(f64::INFINITY, f64::min);
         let high = spans.iter().map(|(at, half)| at + half).fold(f64::NEG_INFINITY, f64::max);
-        let middle = (low + high) / 2.0;
+        let bodies = found.iter().flat_map(|(low, high)| [low.dot(axis), high.dot(axis)]);
+        let (first, last) = bodies.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), at| (a.min(at), b.max(at)));
+        // The bodies stand in the middle, unless the arrows then want more than the other side has to give.
+        let middle = ((first + last) / 2.0).min(low + room / 2.0).max(high - room / 2.0);
+        let middle = if high - low > room { (low + high) / 2.0 } else { middle };
         let share = spans
             .iter()
             .map(|(at, half)| 1.0 - ((room / 2.0 - half) / (at - middle).abs().max(1e-9)).max(0.0))
@@ -273,7 +281,7 @@ fn draw_legend(image: &mut RgbaImage, left: f32) {
     };
     paint::quartered(image, spot(0, 0), 5.0);
     word(image, spot(0, 0), "centre of mass");
-    marks::draw_xi(image, spot(0, 1));
+    marks::draw_xi(image, spot(0, 1), 1.0);
     word(image, spot(0, 1), "extrapolated");
     paint::disc(image, spot(1, 0), 3.6, Ink(INK, 0.9));
     paint::disc(image, spot(1, 0), 2.4, Ink(marks::COP, 1.0));

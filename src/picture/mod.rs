@@ -1,7 +1,8 @@
 //! Pictures as bytes: contact sheets, drawn on the CPU.
 //!
 //! [`sheet()`] shows a clip on its rig at the moments that tell, [`film`] at equal distances, [`stick_strip`] poses of a
-//! body alone, as capsules. Below them: [`skin`] poses a rig's mesh, [`compose`] lays out a page of [`Frame`]s, [`marks`] draws what is known of the balance, [`raster`] draws triangles.
+//! body alone, as capsules. Below them: [`skin`] poses a rig's mesh, [`compose`] lays out a page of [`Frame`]s,
+//! [`marks`] draws what is known of the balance, [`raster`] draws triangles.
 
 pub mod compose;
 pub mod figure;
@@ -20,7 +21,7 @@ pub use compose::{Frame, Header, Layout, Trail};
 pub use marks::{Overlay, Push, SoleMark};
 pub use moments::{Moment, choose_moments, even_moments};
 pub use sheet::{SheetInput, film, sheet};
-pub use skin::Posture;
+pub use skin::{NodeTransforms, transforms_of_globals, transforms_of_locals};
 pub use strip::stick_strip;
 
 /// The bytes of a PNG file.

@@ -1,7 +1,7 @@
 //! A rig in a pose, as triangles in scenario space.
 //!
-//! A pose comes as local transforms of the document's nodes; [`node_transforms`] turns them into what carries a point from
-//! the bind pose to the posed body, in metres. Linear blend skinning, as glTF has it. No morph targets.
+//! A pose comes as local or global transforms of the document's nodes; [`transforms_of_locals`] and [`transforms_of_globals`]
+//! turn them into what carries a point from the bind pose to the posed body, in metres. Linear blend skinning, as glTF has it. No morph targets.
 
 use super::figure::figure;
 use super::raster::Surface;
@@ -13,43 +13,38 @@ use std::borrow::Cow;
 /// (nodes) scenario space: where the bind pose's points of each node go.
 pub type NodeTransforms = Vec<DAffine3>;
 
-/// One pose of a document's nodes.
-#[derive(Clone, Debug)]
-pub struct Posture {
-    /// (nodes) local transforms, document units.
-    pub locals: Vec<Trs>,
-    /// Document space: what the `Root` node over the scene's roots adds.
-    pub root: DAffine3,
+/// What each node does to the points of the bind pose, from local transforms (document units). `root` is what a node over
+/// all of the document's roots would add, in document space.
+pub fn transforms_of_locals(rig: &Rig, locals: &[Trs], root: DAffine3) -> NodeTransforms {
+    let scenario = document_from_scenario(rig).inverse();
+    let posed: Vec<DAffine3> = globals(rig, locals).into_iter().map(|global| scenario * root * global).collect();
+    transforms_of_globals(rig, &posed)
 }
 
-impl Posture {
-    /// The bind pose.
-    pub fn bind(rig: &Rig) -> Posture {
-        Posture { locals: rig.nodes.iter().map(|node| node.bind).collect(), root: DAffine3::IDENTITY }
-    }
-}
-
-/// What each node does to the points of the bind pose.
-pub fn node_transforms(rig: &Rig, posture: &Posture) -> NodeTransforms {
+/// The same from global transforms, node to scenario space.
+pub fn transforms_of_globals(rig: &Rig, posed: &[DAffine3]) -> NodeTransforms {
+    let document = document_from_scenario(rig);
     let bind = globals(rig, &rig.nodes.iter().map(|node| node.bind).collect::<Vec<_>>());
-    let posed = globals(rig, &posture.locals);
+    let transform = |(bind, posed): (&DAffine3, &DAffine3)| {
+        // A node that the bind pose has squashed flat carries nothing that could be seen.
+        let flat = bind.matrix3.determinant().abs() < 1e-12;
+        if flat { DAffine3::IDENTITY } else { *posed * bind.inverse() * document }
+    };
+    bind.iter().zip(posed).map(transform).collect()
+}
+
+/// The bind pose.
+pub fn bind_transforms(rig: &Rig) -> NodeTransforms {
+    vec![DAffine3::IDENTITY; rig.nodes.len()]
+}
+
+fn document_from_scenario(rig: &Rig) -> DAffine3 {
     let similarity = &rig.document_from_scenario;
-    let document = DAffine3::from_scale_rotation_translation(
+    DAffine3::from_scale_rotation_translation(
         DVec3::splat(similarity.scale),
         similarity.rotation,
         similarity.translation,
-    );
-    let scenario = document.inverse();
-    bind.iter()
-        .zip(&posed)
-        .map(|(bind, posed)| {
-            // A node that the bind pose has squashed flat carries nothing that could be seen.
-            if bind.matrix3.determinant().abs() < 1e-12 {
-                return DAffine3::IDENTITY;
-            }
-            scenario * posture.root * *posed * bind.inverse() * document
-        })
-        .collect()
+    )
 }
 
 /// Document-space transforms of all nodes; one that hangs in a ring of parents counts as a root.

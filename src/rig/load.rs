@@ -44,7 +44,7 @@ pub fn load_bytes(name: &str, bytes: &[u8], resolve: &Resolve, overrides: Option
         mesh::read_parts(&document, &nodes, &skins, &bind_globals).map_err(|fault| fault.in_file(name))?;
     warnings.extend(notes);
 
-    let found = mapping::find(name, &document, &nodes, &skins, &bind_globals, &parts, overrides)?;
+    let found = mapping::find(name, &document, &nodes, &skins, &bind_globals, overrides)?;
     warnings.extend(found.warnings);
     let mut bones = found.bones;
     let positions: Vec<_> = bind_globals.iter().map(|global| global.translation).collect();

@@ -3,7 +3,7 @@
 
 use super::bind::Skin;
 use super::nodes::is_under;
-use super::{Document, MeshPart, RigError, RigNode, names, overrides, space, vrm};
+use super::{Document, RigError, RigNode, geometry, names, overrides, space, vrm};
 use crate::model::Role;
 use glam::{DAffine3, DVec3};
 use std::collections::BTreeMap;
@@ -33,7 +33,6 @@ pub fn find(
     nodes: &[RigNode],
     skins: &[Skin],
     bind: &[DAffine3],
-    parts: &[MeshPart],
     override_text: Option<&str>,
 ) -> Result<Found, RigError> {
     let positions: Vec<DVec3> = bind.iter().map(|global| global.translation).collect();
@@ -68,6 +67,11 @@ pub fn find(
             warnings: without,
         });
     }
+    let mut refusal: Option<String> = None;
+    match geometry::guess(document, nodes, skins, &positions) {
+        Ok(bones) => answers.push(by_geometry(bones, nodes)),
+        Err(why) => refusal = why.filter(|_| answers.is_empty()),
+    }
     answers.push(Found {
         method: "override".into(),
         confidence: 1.0,
@@ -75,7 +79,6 @@ pub fn find(
         sides_known: true,
         warnings: Vec::new(),
     });
-    let mut refusal: Option<String> = None;
     let mut fewest: Option<Vec<Role>> = None;
     for mut answer in answers {
         speak(&mut answer, &spoken);
@@ -106,15 +109,37 @@ pub fn find(
         answer.warnings.splice(0..0, warnings);
         return Ok(answer);
     }
-    let _ = parts;
     match refusal {
         Some(reason) => Err(RigError::NotHumanoid { file: name.into(), reason, overrides: beside }),
         None => Err(RigError::MissingBones {
             file: name.into(),
-            missing: fewest.unwrap_or_default(),
+            missing: names::nearest(nodes, &rank, &given)
+                .filter(|nearest| fewest.as_ref().is_none_or(|fewest| nearest.len() <= fewest.len()))
+                .or(fewest)
+                .unwrap_or_default(),
             seen: seen(nodes),
             overrides: beside,
         }),
+    }
+}
+
+/// What the geometry found; its guess of the sides gives way to names that tell them.
+fn by_geometry(bones: BTreeMap<Role, usize>, nodes: &[RigNode]) -> Found {
+    let (mut right, mut wrong) = (0, 0);
+    for (role, node) in bones.iter().filter(|(role, _)| role.mirrored() != **role) {
+        let told = names::side_of(nodes[*node].name.as_deref().unwrap_or(""));
+        let guessed = if role.name().starts_with("left") { 1 } else { -1 };
+        right += usize::from(told == guessed);
+        wrong += usize::from(told == -guessed);
+    }
+    let sides_known = right.max(wrong) >= 6 && right.min(wrong) == 0;
+    let swap = sides_known && wrong > 0;
+    Found {
+        method: if sides_known { "geometry, sides by name".into() } else { "geometry".into() },
+        confidence: if sides_known { 0.8 } else { 0.7 },
+        bones: bones.into_iter().map(|(role, node)| (if swap { role.mirrored() } else { role }, node)).collect(),
+        sides_known,
+        warnings: Vec::new(),
     }
 }
 

@@ -4,10 +4,12 @@
 //! name tables of `rigs/names/`, geometry, override file) -> [`Body`] in scenario space.
 
 pub mod accessor;
+pub mod animate;
 pub mod bind;
 pub mod body;
 pub mod document;
 pub mod error;
+pub mod geometry;
 pub mod images;
 pub mod inspect;
 pub mod load;
@@ -63,6 +65,8 @@ pub struct Document {
     pub glb_buffer: bool,
     /// Images decoded for pictures, by image index; `None` where it could not be read (never an error).
     pub images: Vec<Option<image::RgbaImage>>,
+    /// The files of images that lie beside the document (a relative uri), by image index: they move into an exported GLB.
+    pub image_files: Vec<Option<Vec<u8>>>,
 }
 
 /// A node: local transforms relative to its parent, document units.

@@ -11,8 +11,18 @@ use std::collections::BTreeMap;
 
 /// Heights, in file units, that are taken for metres as they stand.
 const METRES: std::ops::RangeInclusive<f64> = 0.4..=3.5;
-/// Units that files come in, metres each, likeliest first.
-const UNITS: [f64; 9] = [0.01, 0.1, 0.0254, 0.001, 0.3048, 0.056_444, 10.0, 100.0, 1000.0];
+/// Units that files come in, metres each, likeliest first, and how tall a body may then be, m.
+const UNITS: [(f64, std::ops::RangeInclusive<f64>); 9] = [
+    (0.01, 1.0..=2.35),
+    (0.1, 1.0..=2.35),
+    (0.001, 1.0..=2.35),
+    (0.0254, 1.3..=2.1),
+    (0.3048, 1.3..=2.1),
+    (0.056_444, 1.3..=2.1), // CMU's: inches over 0.45
+    (10.0, 1.0..=2.35),
+    (100.0, 1.0..=2.35),
+    (1000.0, 1.0..=2.35),
+];
 /// Between the spine and the legs, stretched: a human's is near 1, a quadruped's near 0.
 const UPRIGHT: f64 = 0.5;
 /// A foot's horizontal length relative to the leg from which its direction is believed.
@@ -162,8 +172,7 @@ fn units_of(height: f64) -> f64 {
     if METRES.contains(&height) || !(height > 0.0 && height.is_finite()) {
         return 1.0;
     }
-    let human = 1.2..=2.3;
-    let likely = UNITS.iter().copied().find(|unit| human.contains(&(height * unit)));
+    let likely = UNITS.iter().find(|(unit, human)| human.contains(&(height * unit))).map(|(unit, _)| *unit);
     likely.unwrap_or_else(|| {
         let power = (1.7 / height).log10().round().clamp(-12.0, 12.0);
         10_f64.powi(power as i32)
@@ -204,7 +213,8 @@ fn foot_direction(
         soles += flat((least + most) * 0.5 - positions[*bone]) * 0.5;
     }
     let found = if soles.length() > sum.length() { soles } else { sum };
-    (found.length() > 0.2 * FOOT * leg).then_some(found)
+    // Less than that is the noise of a straight leg.
+    (found.length() > 0.6 * FOOT * leg).then_some(found)
 }
 
 /// Mesh vertices that move mostly with that node or what hangs below it.
@@ -253,14 +263,19 @@ fn extent(
         (0..nodes.len()).filter(|node| under[*node]).map(|node| positions[node].dot(up)).fold(f64::MAX, f64::min)
     });
     let lowest = joints.fold(f64::MAX, f64::min);
+    let ankles = feet.iter().map(|foot| positions[*foot].dot(up)).fold(f64::MAX, f64::min);
+    // Without a mesh: the document's own floor where a sole would lie on it, else a sole below what is lowest.
+    let (near, sole) = match bones.contains_key(&Role::LeftFoot) {
+        true if lowest < ankles - 0.02 * leg => (-0.005..0.05, 0.01),
+        true => (0.04..0.2, 0.075),
+        false => (0.4..0.6, 0.5),
+    };
     let low = if soles < f64::MAX {
         soles
-    } else if lowest.abs() < 0.05 * leg {
-        0.0 // The document's own floor, as authors have it.
-    } else if bones.contains_key(&Role::LeftFoot) {
-        lowest - 0.01 * leg
+    } else if near.contains(&(lowest / leg.max(1e-12))) {
+        0.0
     } else {
-        lowest - leg
+        lowest - sole * leg
     };
     let head = bones.get(&Role::Head).copied();
     let crown = head.map(|head| points_under(nodes, head, parts)).unwrap_or_default();
