@@ -15,7 +15,15 @@ const MODES: [RootMotion; 3] = [RootMotion::Root, RootMotion::Hips, RootMotion::
 
 fn clip(rig: &Rig, root_motion: RootMotion) -> Clip {
     let pose = |time: f64| stepping(&rig.body, time);
-    keyed_clip(&KeyInput { rig, name: "shove", fps: 30.0, duration: DURATION, pose: &pose, contacts: &contacts(), root_motion })
+    keyed_clip(&KeyInput {
+        rig,
+        name: "shove",
+        fps: 30.0,
+        duration: DURATION,
+        pose: &pose,
+        contacts: &contacts(),
+        root_motion,
+    })
 }
 
 fn report(clip: &Clip) -> ClipReport {
@@ -96,7 +104,9 @@ fn planted_feet_stay_between_keys_and_few_keys_are_left() {
         let share = keys as f64 / (frames * clip.channels.len()) as f64;
         println!("{name}: slip {:.3} mm, {keys} keys, {:.1} % of frames x channels", worst * 1e3, share * 100.0);
         assert!(worst < 0.5e-3, "{name}: {worst}");
-        for channel in &clip.channels { print!("{:?}:{} ", channel.target, channel.times.len()); }
+        for channel in &clip.channels {
+            print!("{:?}:{} ", channel.target, channel.times.len());
+        }
         assert!(share < 0.40, "{name}: {share}");
     }
 }
@@ -138,7 +148,11 @@ fn keys_are_what_readers_demand() {
             assert!(clip.channels.iter().any(|channel| channel.times.last() == Some(&last)), "{name}");
             for channel in &clip.channels {
                 assert_eq!(channel.times[0], 0.0);
-                assert!(channel.times.windows(2).all(|pair| pair[0] < pair[1] && pair[1] <= last), "{name} {:?}", channel.target);
+                assert!(
+                    channel.times.windows(2).all(|pair| pair[0] < pair[1] && pair[1] <= last),
+                    "{name} {:?}",
+                    channel.target
+                );
                 let KeyValues::Rotation(keys) = &channel.values else { continue };
                 for pair in keys.windows(2) {
                     let dot: f32 = pair[0].iter().zip(&pair[1]).map(|(a, b)| a * b).sum();
@@ -201,7 +215,8 @@ fn everything_of_the_source_is_still_there() {
         for mode in MODES {
             let clip = clip(&rig, mode);
             let made = glb(&rig, &[(clip.clone(), report(&clip))]).expect("can be written");
-            std::fs::write(baked(&format!("synthetic_{name}_{}.glb", mode.name())), &made.bytes).expect("can be written");
+            std::fs::write(baked(&format!("synthetic_{name}_{}.glb", mode.name())), &made.bytes)
+                .expect("can be written");
             dump_pose(&rig, &clip, &made.names[0], &format!("synthetic_{name}_{}.glb", mode.name()));
             keeps_everything(&rig, &made.bytes, &made.changes);
             assert_eq!(made.names, ["shove_2"], "the rig has a shove already");
@@ -227,7 +242,8 @@ fn keeps_everything(rig: &Rig, file: &[u8], changes: &[String]) {
                             ("children", Value::Array(before)) => {
                                 assert!(after[field].as_array().expect("array").starts_with(before), "node {index}");
                             }
-                            ("matrix", _) if changes.iter().any(|change| change.starts_with(&format!("node {index} "))) => {}
+                            ("matrix", _)
+                                if changes.iter().any(|change| change.starts_with(&format!("node {index} "))) => {}
                             _ => assert_eq!(&after[field], before, "node {index} {field}"),
                         }
                     }
@@ -281,7 +297,8 @@ fn reads_back(rig: &Rig, clip: &Clip, file: &[u8]) {
     let extras: Value = serde_json::from_str(animation.extras().as_ref().expect("extras").get()).expect("JSON");
     assert_eq!(extras["surefoot"]["events"][0]["time"].to_string(), "0.3333");
     for node in gltf.nodes().skip(source_nodes) {
-        let in_scene = gltf.scenes().flat_map(|scene| scene.nodes().collect::<Vec<_>>()).any(|root| reaches(&root, node.index()));
+        let in_scene =
+            gltf.scenes().flat_map(|scene| scene.nodes().collect::<Vec<_>>()).any(|root| reaches(&root, node.index()));
         assert!(in_scene, "{:?} is in no scene", node.name());
     }
 }
@@ -329,8 +346,15 @@ fn real_rigs_keep_everything_and_show_the_pose() {
     for (name, rig) in real_rigs() {
         for mode in MODES {
             let pose = |time: f64| waving(&rig, time);
-            let input =
-                KeyInput { rig: &rig, name: "shove", fps: 30.0, duration: DURATION, pose: &pose, contacts: &[], root_motion: mode };
+            let input = KeyInput {
+                rig: &rig,
+                name: "shove",
+                fps: 30.0,
+                duration: DURATION,
+                pose: &pose,
+                contacts: &[],
+                root_motion: mode,
+            };
             let clip = keyed_clip(&input);
             let made = glb(&rig, &[(clip.clone(), report(&clip))]).expect("can be written");
             let file = format!("{name}.{}.glb", mode.name());
@@ -383,7 +407,8 @@ fn dump_pose(rig: &Rig, clip: &Clip, name: &str, file: &str) {
     let names: Vec<Option<&str>> = rig.nodes.iter().map(|node| node.name.as_deref()).collect();
     let unit = rig.document_from_scenario.scale;
     let dump = serde_json::json!({ "file": file, "clip": name, "unit": unit, "names": names, "samples": samples });
-    std::fs::write(baked(&format!("{file}.pose.json")), serde_json::to_vec(&dump).expect("JSON")).expect("can be written");
+    std::fs::write(baked(&format!("{file}.pose.json")), serde_json::to_vec(&dump).expect("JSON"))
+        .expect("can be written");
 }
 
 #[test]
@@ -407,7 +432,10 @@ fn a_key_that_is_no_number_is_refused_with_its_node_and_time() {
     let time = f64::from(channel.times[1]);
     let report = report(&clip);
     let error = glb(&rig, &[(clip, report)]).expect_err("NaN");
-    assert_eq!(error, ExportError::NotFinite { clip: "shove".into(), node: format!("translation of node {hips} \"hips\""), time });
+    assert_eq!(
+        error,
+        ExportError::NotFinite { clip: "shove".into(), node: format!("translation of node {hips} \"hips\""), time }
+    );
 }
 
 #[test]
@@ -417,7 +445,8 @@ fn several_buffers_outer_images_and_missing_scenes_become_one_whole_file() {
     json.as_object_mut().expect("object").shift_remove("scenes");
     json.as_object_mut().expect("object").shift_remove("scene");
     json["buffers"] = serde_json::json!([{ "byteLength": 13, "uri": "one.bin", "name": "first" }, { "byteLength": 12, "uri": "two.bin" }]);
-    json["bufferViews"] = serde_json::json!([{ "buffer": 1, "byteLength": 12 }, { "buffer": 0, "byteOffset": 1, "byteLength": 5 }]);
+    json["bufferViews"] =
+        serde_json::json!([{ "buffer": 1, "byteLength": 12 }, { "buffer": 0, "byteOffset": 1, "byteLength": 5 }]);
     json["images"] = serde_json::json!([{ "uri": "skin.png", "name": "skin" }, { "uri": "gone.png" }]);
     let times: Vec<u8> = [1.0f32, 2.0, 3.0].iter().flat_map(|value| value.to_le_bytes()).collect();
     let png = b"\x89PNG\r\n\x1a\nnot really".to_vec();
