@@ -138,7 +138,7 @@ impl Params {
             trigger: style.trigger,
             support: style.support,
             width,
-            com_forward: physique.com_forward.clamp(physique.heel + 2.0 * margin, physique.tip - 2.0 * margin),
+            com_forward: physique.com_forward.min(physique.tip - 2.0 * margin).max(physique.heel + 2.0 * margin),
             tempo,
             size,
             spring: 23.6 * weight / physique.leg_length, // 25 kN/m for the reference body
@@ -146,7 +146,7 @@ impl Params {
             circle_radius: 0.08 * size,
             margin,
             inner: 0.008 * size,
-            outer: (0.045 - 0.05 * style.readiness.clamp(0.0, 1.0)) * -size + 0.02 * size,
+            outer: 0.05 * (style.readiness.clamp(0.0, 1.0) - 0.5) * size,
             gain: 1.0,
             lag: 0.036 * tempo,
             sense: 0.06 * tempo,
