@@ -7,7 +7,7 @@ use super::balance::steady_lean;
 use super::foothold::{ankles, beside, corrective, middle_after};
 use super::support::{Support, Tread};
 use super::{Intent, Params, Passing, Physique, Plant, State, StepKind, Swing, Trigger};
-use super::{control::wrap, ground, support, swing};
+use super::{control::wrap, foothold, ground, support, swing};
 use crate::maths::pendulum;
 use crate::model::Side;
 use glam::{DVec2, DVec3};
@@ -18,8 +18,10 @@ pub fn decide(params: &Params, physique: &Physique, state: &mut State) {
     let xi = state.xi() + lean;
     let feet = [&state.feet[0], &state.feet[1]];
     let outline = Support::two(params, physique, feet, [Tread::Whole; 2], 0.0);
+    let hard = ((state.touch.length() / params.foresee - 1.0) / 0.8).clamp(0.0, 1.0);
+    let coming = foothold::expected(params, physique, state, params.expect) * (hard / state.omega());
     let out = match params.trigger {
-        Trigger::Extrapolated => outline.outside(xi),
+        Trigger::Extrapolated => outline.outside(xi + coming),
         Trigger::Projected => outline.outside(ground(state.com)),
     } + params.outer;
     let corrective_now = matches!(state.intent, Some(Intent { kind: StepKind::Corrective, .. }));

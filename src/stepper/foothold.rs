@@ -42,7 +42,7 @@ pub fn corrective(
     let lean = steady_lean(physique, state);
     let pivot = sole.nearest(state.xi() + lean) - lean;
     let more = state.pushed.min(params.expect).min(time.max(0.0));
-    let shove = state.touch * (more / physique.mass);
+    let shove = expected(params, physique, state, time);
     let (com, velocity) = (ground(state.com) - shove * (0.5 * more), ground(state.velocity) + shove);
     let (com, velocity) = pendulum::predict(com, velocity, pivot, state.omega(), time.max(0.0));
     let speed = velocity.length();
@@ -89,6 +89,11 @@ pub fn corrective(
     let caught = pivot + (xi - pivot) * (state.omega() * time.max(0.0)).exp();
     let miss = stands.outside(caught).max(0.0);
     Foothold { plant, miss, off: ankle.distance(wanted), speed, across }
+}
+
+/// m/s that the push of this moment will add within `time` s, if it goes on as pushes do.
+pub fn expected(params: &Params, physique: &Physique, state: &State, time: f64) -> DVec2 {
+    state.touch * (state.pushed.min(params.expect).min(time.max(0.0)) / physique.mass)
 }
 
 /// The point that a corrective step to that plant means to have ξ at when it lands.
