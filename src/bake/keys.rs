@@ -262,7 +262,9 @@ impl<'a> Frames<'a> {
     fn reduce(&mut self, edges: &[f32], contacts: &[(&FootContact, f32, f32)]) {
         let forced: Vec<bool> = self.times.iter().map(|time| edges.contains(time)).collect();
         let planted = Side::BOTH.map(|side| {
-            let holds = |time: &f32| contacts.iter().any(|(contact, start, end)| contact.side == side && start <= time && time <= end);
+            let holds = |time: &f32| {
+                contacts.iter().any(|(contact, start, end)| contact.side == side && start <= time && time <= end)
+            };
             self.times.iter().map(holds).collect::<Vec<bool>>()
         });
         let times: Vec<f64> = self.times.iter().map(|time| f64::from(*time)).collect();

@@ -49,7 +49,8 @@ impl LegChain {
     ) -> LegChain {
         let foot = &rig.body.feet[side as usize];
         let rest = rig.body.joints[foot.ankle].rest;
-        let along = |length: f64| DVec3::new(foot.forward.x * length, -foot.ankle_height, foot.forward.y * length);
+        let levelled = |length: f64| DVec3::new(foot.forward.x * length, -foot.ankle_height, foot.forward.y * length);
+        let along = |length: f64| foot.level.inverse() * levelled(length);
         let ankle = node_of(rig, foot.ankle);
         let (ball, ball_point) = match foot.toe {
             Some(toe) => (node_of(rig, toe), rig.body.joints[toe].rest),

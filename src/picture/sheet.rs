@@ -289,7 +289,13 @@ mod tests {
             });
         }
         Rig {
-            document: Document { json: serde_json::Value::Null, buffers: vec![], glb_buffer: false, images: vec![] },
+            document: Document {
+                json: serde_json::Value::Null,
+                buffers: vec![],
+                glb_buffer: false,
+                images: vec![],
+                image_files: vec![],
+            },
             joint_nodes: (0..body.joints.len()).map(|joint| Some(joint + 1)).collect(),
             nodes,
             document_from_scenario: Similarity { scale: 100.0, rotation: axes, translation: DVec3::ZERO },
