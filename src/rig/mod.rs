@@ -9,6 +9,7 @@ pub mod bind;
 pub mod body;
 pub mod document;
 pub mod error;
+pub mod geometry;
 pub mod images;
 pub mod inspect;
 pub mod load;
