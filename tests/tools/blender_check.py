@@ -22,14 +22,15 @@ def check(folder: Path, dump: dict) -> tuple[tuple[float, str], int]:
     bpy.ops.import_scene.gltf(filepath=str(folder / dump["file"]), bone_heuristic="BLENDER", guess_original_bind_pose=False)
     scene = bpy.context.scene
     counts = Counter(dump["names"])
-    for owner in list(bpy.data.objects):  # leave only the clip's own tracks
+    for owner in list(bpy.data.objects):
         if owner.animation_data:
             owner.animation_data.action = None
+            # The importer stacks clips as strips that start at frame 1: play the clip's action itself.
             for track in owner.animation_data.nla_tracks:
-                track.mute = not track.name.startswith(dump["clip"])
-                track.is_solo = False
-                for strip in track.strips:
-                    strip.extrapolation = "HOLD"
+                track.mute = True
+                if track.name == dump["clip"] and track.strips:
+                    owner.animation_data.action = track.strips[0].action
+                    owner.animation_data.action_slot = track.strips[0].action_slot
     worst, count = (0.0, ""), 0
     for sample in dump["samples"]:
         frame = sample["time"] * fps
