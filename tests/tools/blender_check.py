@@ -25,6 +25,10 @@ def check(folder: Path, dump: dict) -> tuple[tuple[float, str], int]:
     for owner in list(bpy.data.objects):
         if owner.animation_data:
             owner.animation_data.action = None
+            # What another clip left behind is not glTF's: there, what has no channel rests.
+            if owner.type == "ARMATURE":
+                for bone in owner.pose.bones:
+                    bone.matrix_basis.identity()
             # The importer stacks clips as strips that start at frame 1: play the clip's action itself.
             for track in owner.animation_data.nla_tracks:
                 track.mute = True
