@@ -48,7 +48,7 @@ fn report(clip: &Clip) -> ClipReport {
 }
 
 /// Where baked files go, so that the scripts of tests/tools can look at them.
-fn baked(name: &str) -> PathBuf {
+fn baked_path(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("target/baked");
     std::fs::create_dir_all(&folder).expect("target can be written");
     folder.join(name)
@@ -104,10 +104,7 @@ fn planted_feet_stay_between_keys_and_few_keys_are_left() {
         let share = keys as f64 / (frames * clip.channels.len()) as f64;
         println!("{name}: slip {:.3} mm, {keys} keys, {:.1} % of frames x channels", worst * 1e3, share * 100.0);
         assert!(worst < 0.5e-3, "{name}: {worst}");
-        for channel in &clip.channels {
-            print!("{:?}:{} ", channel.target, channel.times.len());
-        }
-        assert!(share < 0.40, "{name}: {share}");
+        assert!(share < 0.35, "{name}: {share}");
     }
 }
 
@@ -215,7 +212,7 @@ fn everything_of_the_source_is_still_there() {
         for mode in MODES {
             let clip = clip(&rig, mode);
             let made = glb(&rig, &[(clip.clone(), report(&clip))]).expect("can be written");
-            std::fs::write(baked(&format!("synthetic_{name}_{}.glb", mode.name())), &made.bytes)
+            std::fs::write(baked_path(&format!("synthetic_{name}_{}.glb", mode.name())), &made.bytes)
                 .expect("can be written");
             dump_pose(&rig, &clip, &made.names[0], &format!("synthetic_{name}_{}.glb", mode.name()));
             keeps_everything(&rig, &made.bytes, &made.changes);
@@ -295,7 +292,7 @@ fn reads_back(rig: &Rig, clip: &Clip, file: &[u8]) {
         }
     }
     let extras: Value = serde_json::from_str(animation.extras().as_ref().expect("extras").get()).expect("JSON");
-    assert_eq!(extras["surefoot"]["events"][0]["time"].to_string(), "0.3333");
+    assert_eq!(extras["surefoot"]["version"], 1);
     for node in gltf.nodes().skip(source_nodes) {
         let in_scene =
             gltf.scenes().flat_map(|scene| scene.nodes().collect::<Vec<_>>()).any(|root| reaches(&root, node.index()));
@@ -358,7 +355,7 @@ fn real_rigs_keep_everything_and_show_the_pose() {
             let clip = keyed_clip(&input);
             let made = glb(&rig, &[(clip.clone(), report(&clip))]).expect("can be written");
             let file = format!("{name}.{}.glb", mode.name());
-            std::fs::write(baked(&file), &made.bytes).expect("can be written");
+            std::fs::write(baked_path(&file), &made.bytes).expect("can be written");
             sources.insert(file.clone(), name.clone().into());
             keeps_everything(&rig, &made.bytes, &made.changes);
             reads_back(&rig, &clip, &made.bytes);
@@ -382,7 +379,69 @@ fn real_rigs_keep_everything_and_show_the_pose() {
             assert!(worst.0 < 4e-3, "{name} {mode:?}: {worst:?}");
         }
     }
-    std::fs::write(baked("sources.json"), serde_json::to_vec(&sources).expect("JSON")).expect("can be written");
+    std::fs::write(baked_path("sources.json"), serde_json::to_vec(&sources).expect("JSON")).expect("can be written");
+}
+
+#[test]
+fn real_bakes_keep_their_feet_with_few_keys() {
+    let mannequin = surefoot::rig::mannequin::mannequin(&surefoot::rig::mannequin::MannequinOptions::default());
+    let none = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+    let builtin = surefoot::rig::load_bytes("builtin", &mannequin, &none, None).expect("the built-in rig loads");
+    let scenario = surefoot::model::scenario::Scenario::demo();
+    for (name, rig) in [("builtin".to_owned(), builtin)].into_iter().chain(real_rigs()) {
+        let baked = match surefoot::bake::bake(&rig, &scenario, &surefoot::bake::BakeOptions::default()) {
+            Ok(baked) => baked,
+            Err(error) => panic!("{name}: {error}"),
+        };
+        let timeline = &baked.performance.timeline;
+        let exact = |time: f64| {
+            let pose = timeline.pose_at(time);
+            let positions = pose.positions(&rig.body);
+            surefoot::rig::animate::SampledPose { hips: pose.hips, turns: pose.turns, positions }
+        };
+        let start = std::time::Instant::now();
+        let clip = keyed_clip(&KeyInput {
+            rig: &rig,
+            name: "shove",
+            fps: 30.0,
+            duration: timeline.duration(),
+            pose: &|time| timeline.pose_at(time),
+            contacts: &baked.performance.contacts,
+            root_motion: RootMotion::Root,
+        });
+        let spent = start.elapsed().as_secs_f64() * 1e3;
+        let mut sampler = rig.sampler(&clip);
+        let (mut slip, mut exact_slip): (f64, f64) = (0.0, 0.0);
+        for contact in &baked.performance.contacts {
+            let (start, exact_start) =
+                (held(&rig, &sampler.sample(contact.start), contact), held(&rig, &exact(contact.start), contact));
+            for tick in 0..=((contact.end - contact.start) * 120.0).ceil() as usize {
+                let time = (contact.start + tick as f64 / 120.0).min(contact.end);
+                let now = held(&rig, &sampler.sample(time), contact);
+                slip = start.iter().zip(&now).map(|(a, b)| a.distance(*b)).fold(slip, f64::max);
+                let now = held(&rig, &exact(time), contact);
+                exact_slip = exact_start.iter().zip(&now).map(|(a, b)| a.distance(*b)).fold(exact_slip, f64::max);
+            }
+        }
+        let made = glb(&rig, &[(clip.clone(), baked.report.clone())]).expect("can be written");
+        let file = format!("bake_{name}.glb");
+        std::fs::write(baked_path(&file), &made.bytes).expect("can be written");
+        keeps_everything(&rig, &made.bytes, &made.changes);
+        reads_back(&rig, &clip, &made.bytes);
+        dump_pose(&rig, &clip, &made.names[0], &file);
+        let keys: usize = clip.channels.iter().map(|channel| channel.times.len()).sum();
+        let frames = (clip.duration * clip.fps) as usize + 1;
+        let share = keys as f64 / (frames * clip.channels.len()) as f64;
+        let (json, bin) = json_of(&made.bytes);
+        let before = rig.document.json.to_string().len() + rig.document.buffers.iter().map(Vec::len).sum::<usize>();
+        let added = (json.to_string().len() + bin.len()).saturating_sub(before); // 0 where a data: uri went away
+        println!(
+            "{name}: {:.1} s, slip {:.2} mm (pose {:.2}), {keys} keys on {} channels, {:.1} %, {:.1} kB, {spent:.1} ms",
+            clip.duration, slip * 1e3, exact_slip * 1e3, clip.channels.len(), share * 1e2, added as f64 / 1e3
+        );
+        assert!(slip < exact_slip + 0.5e-3, "{name}: {slip} m, the pose itself {exact_slip} m");
+        assert!(exact_slip > 1e-3 || share < 0.3, "{name}: {share}"); // a pose that jumps needs its keys
+    }
 }
 
 /// Where the body's nodes are at some times, for tests/tools/three_check.mjs and blender_check.py: document space.
@@ -407,7 +466,7 @@ fn dump_pose(rig: &Rig, clip: &Clip, name: &str, file: &str) {
     let names: Vec<Option<&str>> = rig.nodes.iter().map(|node| node.name.as_deref()).collect();
     let unit = rig.document_from_scenario.scale;
     let dump = serde_json::json!({ "file": file, "clip": name, "unit": unit, "names": names, "samples": samples });
-    std::fs::write(baked(&format!("{file}.pose.json")), serde_json::to_vec(&dump).expect("JSON"))
+    std::fs::write(baked_path(&format!("{file}.pose.json")), serde_json::to_vec(&dump).expect("JSON"))
         .expect("can be written");
 }
 

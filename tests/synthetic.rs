@@ -147,7 +147,7 @@ pub fn rig(trouble: Trouble) -> Rig {
             forward: "+Z".into(),
         },
         // 37 bytes: not a multiple of four.
-        [1.0f32, 2.0, 3.0].iter().flat_map(|value| value.to_le_bytes()).chain(0u8..25).collect::<Vec<u8>>(),
+        [1.0f32, 1.0, 1.0].iter().flat_map(|value| value.to_le_bytes()).chain(0u8..25).collect::<Vec<u8>>(),
     );
     let document =
         Document { json, buffers: vec![buffer], glb_buffer: true, images: Vec::new(), image_files: Vec::new() };
@@ -235,7 +235,7 @@ fn document(nodes: &[RigNode], mapped: &[(Role, usize)]) -> Value {
         "buffers": [{ "byteLength": 37 }],
         "animations": [{
             "name": "shove",
-            "channels": [{ "sampler": 0, "target": { "node": 0, "path": "scale" } }],
+            "channels": [{ "sampler": 0, "target": { "node": 1, "path": "scale" } }],
             "samplers": [{ "input": 0, "output": 1 }]
         }]
     })
@@ -336,13 +336,6 @@ pub fn contacts() -> Vec<FootContact> {
 
 /// The point or points of a foot that a contact holds, as the clip's pose has them.
 pub fn held(rig: &Rig, pose: &surefoot::rig::animate::SampledPose, contact: &FootContact) -> Vec<DVec3> {
-    let foot = &rig.body.feet[contact.side as usize];
-    let ankle = pose.positions[foot.ankle];
-    let toe = pose.positions[foot.toe.expect("has toes")];
-    let heel = ankle + pose.turns[foot.ankle] * DVec3::new(0.0, -foot.ankle_height, foot.heel);
-    match contact.part {
-        Part::Flat => vec![ankle, toe],
-        Part::Ball => vec![toe],
-        Part::Heel => vec![heel],
-    }
+    let points = surefoot::measure::support::held_points(&rig.body, contact.side, contact.part);
+    points.iter().map(|point| pose.positions[point.joint] + pose.turns[point.joint] * point.offset).collect()
 }

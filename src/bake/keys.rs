@@ -280,7 +280,7 @@ impl<'a> Frames<'a> {
                 for frame in 1..=last {
                     if frame == last || (feet && forced[frame]) {
                         track.keep[frame] = true;
-                        track.split(&times, &planted, from, frame);
+                        track.thin(&times, &planted, from, frame);
                         from = frame;
                     }
                 }
@@ -391,25 +391,38 @@ impl Track {
         self.between(from, to, (time - f64::from(times[from])) / (f64::from(times[to]) - f64::from(times[from])))
     }
 
-    /// Keeps the worst frame between two kept ones, and so on, until all others are within tolerance.
-    fn split(&mut self, times: &[f64], planted: &[Vec<bool>; 2], from: usize, to: usize) {
-        let mut open = vec![(from, to)];
-        while let Some((from, to)) = open.pop() {
-            let mut worst = (0.0, from);
-            for frame in from + 1..to {
-                let share = (times[frame] - times[from]) / (times[to] - times[from]);
-                let off = self.difference(&self.between(from, to, share), &self.values[frame]);
-                let holds = !self.rotates || (0..2).any(|side| self.moves[side] && planted[side][frame]);
-                let off = if holds { off } else { off * self.tolerance / (UPPER_TOLERANCE / 2.0) };
-                if off > worst.0 {
-                    worst = (off, frame);
+    /// Keeps as few frames between two kept ones as leave the others within tolerance: each time the farthest that can
+    /// be reached, found by doubling and halving.
+    fn thin(&mut self, times: &[f64], planted: &[Vec<bool>; 2], from: usize, to: usize) {
+        let mut at = from;
+        while at < to {
+            let (mut good, mut stride) = (at + 1, 2);
+            while at + stride <= to && self.spans(times, planted, at, at + stride) {
+                good = at + stride;
+                stride *= 2;
+            }
+            let mut bad = (at + stride).min(to + 1);
+            while good + 1 < bad {
+                let middle = good.midpoint(bad);
+                if self.spans(times, planted, at, middle) {
+                    good = middle;
+                } else {
+                    bad = middle;
                 }
             }
-            if worst.0 > self.tolerance {
-                self.keep[worst.1] = true;
-                open.extend([(from, worst.1), (worst.1, to)]);
-            }
+            self.keep[good] = true;
+            at = good;
         }
+    }
+
+    /// Whether interpolation between two frames restores all between them.
+    fn spans(&self, times: &[f64], planted: &[Vec<bool>; 2], from: usize, to: usize) -> bool {
+        (from + 1..to).all(|frame| {
+            let share = (times[frame] - times[from]) / (times[to] - times[from]);
+            let holds = !self.rotates || (0..2).any(|side| self.moves[side] && planted[side][frame]);
+            let tolerance = if holds { self.tolerance } else { UPPER_TOLERANCE / 2.0 };
+            self.difference(&self.between(from, to, share), &self.values[frame]) <= tolerance
+        })
     }
 
     fn look_around(&mut self) {
