@@ -1,1 +1,498 @@
 //! Poses to keys: the grid, the contact edges, bisection where a planted foot would slip, reduction everywhere else.
+//!
+//! What is checked is what a glTF reader gets: f32 keys, linear or spherical interpolation, in the local spaces of the rig's
+//! nodes. A *frame* is a time at which every channel has a value; reduction then leaves out keys channel by channel, and the
+//! planted feet are measured again on what is left. Lengths in m, angles in rad. Never writes scale.
+
+use super::contacts::FootContact;
+use super::leg_chain::LegChain;
+use super::root_motion::{RootCurve, RootMotion};
+use crate::model::{BodyPose, Channel, Clip, Interpolation, KeyValues, Side, Target};
+use crate::rig::animate::{Poser, RootCarrier, RootMove, chord, slerp};
+use crate::rig::{Rig, Trs};
+use glam::{DQuat, DVec3};
+use std::collections::BTreeMap;
+
+/// m: a frame is put in where a planted foot is off by more between frames.
+const BISECT: f64 = 0.25e-3;
+/// m: keys are put back where a planted foot is off by more after reduction.
+const SLIP: f64 = 0.45e-3;
+/// rad: what reduction may change in the upper body, 0.1 degrees.
+const UPPER_TOLERANCE: f64 = 0.1 * std::f64::consts::PI / 180.0;
+/// rad: and in the legs and what carries them, 0.02 degrees.
+const LEG_TOLERANCE: f64 = 0.02 * std::f64::consts::PI / 180.0;
+/// m: and in translations.
+const PLACE_TOLERANCE: f64 = 0.2e-3;
+/// s: frames never come closer.
+const SHORTEST: f64 = 1.0e-3;
+/// s: contact edges nearer to each other than this are one.
+const SAME_EDGE: f64 = 5.0e-5;
+
+/// What keys are made from.
+#[derive(Clone, Copy)]
+pub struct KeyInput<'a> {
+    /// Whose nodes.
+    pub rig: &'a Rig,
+    /// The clip's name.
+    pub name: &'a str,
+    /// Hz of the grid.
+    pub fps: f64,
+    /// s.
+    pub duration: f64,
+    /// The pose at any time of 0..=duration.
+    pub pose: &'a dyn Fn(f64) -> BodyPose,
+    /// What the feet hold.
+    pub contacts: &'a [FootContact],
+    /// Where the travel goes.
+    pub root_motion: RootMotion,
+}
+
+/// One channel in the making.
+struct Track {
+    target: Target,
+    rotates: bool,
+    tolerance: f64,              // of `chord` for rotations, of local units for translations
+    moves: [bool; 2],            // the left foot, the right foot
+    values: Vec<Value>,          // (frames)
+    keep: Vec<bool>,             // (frames)
+    around: Vec<(usize, usize)>, // (frames) last kept at or before, first kept at or after
+}
+
+/// A key's value as stored: three of a translation, or a unit quaternion.
+type Value = [f32; 4];
+
+struct Frames<'a> {
+    input: KeyInput<'a>,
+    poser: Poser<'a>,
+    carrier: RootCarrier,
+    curve: RootCurve,
+    times: Vec<f32>,
+    tracks: Vec<Track>,
+    locals: Vec<Trs>,
+}
+
+/// Keys a clip. The result reads back with planted feet still to 0.5 mm wherever the poses hold them.
+pub fn keyed_clip(input: &KeyInput) -> Clip {
+    let duration = f64::from(input.duration.max(0.0) as f32);
+    let mut frames = Frames::new(*input, duration);
+    let legs = Side::BOTH.map(|side| {
+        LegChain::new(
+            input.rig,
+            &frames.poser,
+            side,
+            &|node, rotates| frames.track_of(Target::Node(node), rotates),
+            [frames.track_of(Target::NewRoot, false), frames.track_of(Target::NewRoot, true)],
+        )
+    });
+    for (side, leg) in legs.iter().enumerate() {
+        for track in leg.tracks() {
+            frames.tracks[track].moves[side] = true;
+            if frames.tracks[track].rotates {
+                frames.tracks[track].tolerance = LEG_TOLERANCE / 2.0;
+            }
+        }
+    }
+    let edges = edges(input.contacts, duration);
+    for time in grid(input.fps, duration, &edges) {
+        let at = frames.times.len();
+        frames.insert(at, time);
+    }
+    let contacts: Vec<(&FootContact, f32, f32)> = input
+        .contacts
+        .iter()
+        .map(|contact| (contact, snapped(&edges, contact.start, duration), snapped(&edges, contact.end, duration)))
+        .filter(|(_, start, end)| end > start)
+        .collect();
+    frames.bisect(&contacts, &legs);
+    frames.reduce(&edges);
+    frames.put_back(&contacts, &legs);
+    frames.into_clip(duration, &contacts)
+}
+
+/// The distinct times at which contacts start and end, rising.
+fn edges(contacts: &[FootContact], duration: f64) -> Vec<f32> {
+    let mut edges: Vec<f64> = contacts
+        .iter()
+        .flat_map(|contact| [contact.start, contact.end])
+        .map(|time| time.clamp(0.0, duration))
+        .collect();
+    edges.retain(|time| time.is_finite());
+    edges.sort_by(f64::total_cmp);
+    edges.dedup_by(|later, earlier| *later - *earlier < SAME_EDGE);
+    if let Some(last) = edges.last_mut().filter(|last| duration - **last < SAME_EDGE) {
+        *last = duration;
+    }
+    edges.into_iter().map(|time| time as f32).collect()
+}
+
+fn snapped(edges: &[f32], time: f64, duration: f64) -> f32 {
+    let time = time.clamp(0.0, duration) as f32;
+    edges.iter().copied().min_by(|a, b| (a - time).abs().total_cmp(&(b - time).abs())).unwrap_or(time)
+}
+
+/// The frames to begin with: the grid, and the edges instead of grid times that are too near to them.
+fn grid(fps: f64, duration: f64, edges: &[f32]) -> Vec<f32> {
+    let fps = if fps.is_finite() && fps > 0.0 { fps } else { 30.0 };
+    let mut times: Vec<f32> = edges.to_vec();
+    let far = |time: f64| edges.iter().all(|edge| (f64::from(*edge) - time).abs() > SHORTEST);
+    times.extend(
+        (1..)
+            .map(|index| f64::from(index) / fps)
+            .take_while(|time| *time < duration - SHORTEST)
+            .filter(|time| far(*time))
+            .map(|time| time as f32),
+    );
+    times.extend([0.0, duration as f32]);
+    times.sort_by(f32::total_cmp);
+    times.dedup();
+    times
+}
+
+impl<'a> Frames<'a> {
+    fn new(input: KeyInput<'a>, duration: f64) -> Frames<'a> {
+        let poser = Poser::new(input.rig);
+        let carrier = input.root_motion.carrier(input.rig);
+        let steps = (duration * 30.0).ceil().max(1.0);
+        let dt = duration / steps;
+        let curve = if carrier == RootCarrier::None {
+            RootCurve::follow(&[], dt, false)
+        } else {
+            let poses: Vec<BodyPose> = (0..=steps as usize).map(|index| (input.pose)(index as f64 * dt)).collect();
+            RootCurve::follow(&poses, dt, input.root_motion == RootMotion::Root)
+        };
+        let mut frames =
+            Frames { input, carrier, curve, times: Vec::new(), tracks: Vec::new(), locals: Vec::new(), poser };
+        match carrier {
+            RootCarrier::New => frames.add_tracks(Target::NewRoot, input.rig.document_from_scenario.scale.recip()),
+            RootCarrier::Node(node) => frames.add_tracks(Target::Node(node), frames.metres(node)),
+            RootCarrier::None => {}
+        }
+        for node in 0..input.rig.nodes.len() {
+            if carrier == RootCarrier::Node(node) {
+                continue;
+            }
+            if let Some(drive) = frames.poser.drives()[node] {
+                if drive.translate {
+                    frames.add_track(Target::Node(node), false, PLACE_TOLERANCE / frames.metres(node));
+                }
+                frames.add_track(Target::Node(node), true, UPPER_TOLERANCE / 2.0);
+            }
+        }
+        frames
+    }
+
+    fn add_tracks(&mut self, target: Target, metres: f64) {
+        self.add_track(target, false, PLACE_TOLERANCE / metres.abs().max(1e-12));
+        self.add_track(target, true, LEG_TOLERANCE / 2.0);
+    }
+
+    fn add_track(&mut self, target: Target, rotates: bool, tolerance: f64) {
+        let (values, keep, around) = (Vec::new(), Vec::new(), Vec::new());
+        self.tracks.push(Track { target, rotates, tolerance, moves: [false; 2], values, keep, around });
+    }
+
+    fn track_of(&self, target: Target, rotates: bool) -> Option<usize> {
+        self.tracks.iter().position(|track| track.target == target && track.rotates == rotates)
+    }
+
+    /// Metres that one unit of a node's local translation makes.
+    fn metres(&self, node: usize) -> f64 {
+        let linear = self.poser.parent_rest(node).matrix3;
+        linear.determinant().abs().cbrt().max(1e-12)
+    }
+
+    /// Puts a frame at `time` before frame `at`.
+    fn insert(&mut self, at: usize, time: f32) {
+        let pose = (self.input.pose)(f64::from(time));
+        let motion =
+            if self.carrier == RootCarrier::None { RootMove::IDENTITY } else { self.curve.at(f64::from(time)) };
+        self.poser.locals(&pose, self.carrier, &motion, &mut self.locals);
+        self.times.insert(at, time);
+        for track in &mut self.tracks {
+            let (translation, rotation) = match track.target {
+                Target::Node(node) => (self.locals[node].translation, self.locals[node].rotation),
+                _ => self.poser.new_root(&motion),
+            };
+            track
+                .values
+                .insert(at, if track.rotates { stored_rotation(rotation) } else { stored_translation(translation) });
+        }
+    }
+
+    fn frame_at(&self, time: f32) -> usize {
+        self.times.partition_point(|frame| *frame < time).min(self.times.len() - 1)
+    }
+
+    /// Splits intervals in which a planted foot would slip, as long as that helps.
+    fn bisect(&mut self, contacts: &[(&FootContact, f32, f32)], legs: &[LegChain; 2]) {
+        for (contact, start, end) in contacts {
+            let leg = &legs[contact.side as usize];
+            let mut from = self.frame_at(*start);
+            let held = leg.held(contact.part, &|track| self.tracks[track].values[from]);
+            while from + 1 < self.times.len() && self.times[from] < *end {
+                let (earlier, later) = (f64::from(self.times[from]), f64::from(self.times[from + 1]));
+                let off = [0.25, 0.5, 0.75].map(|share| {
+                    let now = leg.held(contact.part, &|track| self.tracks[track].between(from, from + 1, share));
+                    held.distance(&now)
+                });
+                if off.iter().all(|off| *off <= BISECT) || later - earlier < 2.0 * SHORTEST {
+                    from += 1;
+                    continue;
+                }
+                let middle = ((earlier + later) / 2.0) as f32;
+                self.insert(from + 1, middle);
+                let exact = held.distance(&leg.held(contact.part, &|track| self.tracks[track].values[from + 1]));
+                if exact > 0.8 * off[1].max(BISECT) {
+                    self.remove(from + 1); // the pose itself is off: a key would not mend it
+                    from += 1;
+                }
+            }
+        }
+    }
+
+    fn remove(&mut self, at: usize) {
+        self.times.remove(at);
+        for track in &mut self.tracks {
+            track.values.remove(at);
+        }
+    }
+
+    /// Leaves out every key that interpolation restores; edges stay in what moves the feet.
+    fn reduce(&mut self, edges: &[f32]) {
+        let forced: Vec<bool> = self.times.iter().map(|time| edges.contains(time)).collect();
+        let times: Vec<f64> = self.times.iter().map(|time| f64::from(*time)).collect();
+        for track in &mut self.tracks {
+            let last = times.len() - 1;
+            track.keep = vec![false; times.len()];
+            track.keep[0] = true;
+            let first = track.values[0];
+            if track.values.iter().any(|value| track.difference(&first, value) > 0.25 * track.tolerance) {
+                track.keep[last] = true;
+                let feet = track.moves != [false; 2];
+                let mut from = 0;
+                for frame in 1..=last {
+                    if frame == last || (feet && forced[frame]) {
+                        track.keep[frame] = true;
+                        track.split(&times, from, frame);
+                        from = frame;
+                    }
+                }
+            }
+            track.look_around();
+        }
+    }
+
+    /// Puts keys back until the planted feet are still.
+    fn put_back(&mut self, contacts: &[(&FootContact, f32, f32)], legs: &[LegChain; 2]) {
+        for _ in 0..32 {
+            let mut missing: Vec<(usize, usize)> = Vec::new(); // frame, side
+            for (contact, start, end) in contacts {
+                let leg = &legs[contact.side as usize];
+                let first = self.frame_at(*start);
+                let held = leg.held(contact.part, &|track| self.tracks[track].values[first]);
+                for frame in first..self.frame_at(*end) {
+                    let slips = [0.0, 0.25, 0.5, 0.75, 1.0].into_iter().any(|share| {
+                        let now =
+                            leg.held(contact.part, &|track| self.tracks[track].reduced(&self.times, frame, share));
+                        held.distance(&now) > SLIP
+                    });
+                    if slips {
+                        missing.extend([(frame, contact.side as usize), (frame + 1, contact.side as usize)]);
+                    }
+                }
+            }
+            let mut changed = false;
+            for track in &mut self.tracks {
+                let before = track.keep.clone();
+                for (frame, side) in &missing {
+                    track.keep[*frame] |= track.moves[*side];
+                }
+                if track.keep != before {
+                    track.look_around();
+                    changed = true;
+                }
+            }
+            if !changed {
+                break;
+            }
+        }
+    }
+
+    fn into_clip(self, duration: f64, contacts: &[(&FootContact, f32, f32)]) -> Clip {
+        let mut channels = Vec::new();
+        let in_place = self.input.root_motion == RootMotion::InPlace;
+        let dropped = match self.carrier {
+            RootCarrier::New if in_place => Some(Target::NewRoot),
+            RootCarrier::Node(node) if in_place => Some(Target::Node(node)),
+            _ => None,
+        };
+        for track in self.tracks.iter().filter(|track| Some(track.target) != dropped) {
+            channels.push(track.channel(&self.times));
+        }
+        for (node, moved, turned) in self.poser.held() {
+            let has = |rotates: bool| {
+                let same = |values: &KeyValues| matches!(values, KeyValues::Rotation(_)) == rotates;
+                channels.iter().any(|channel: &Channel| channel.target == Target::Node(node) && same(&channel.values))
+            };
+            let (moved, turned) = (moved && !has(false), turned && !has(true));
+            let reference = self.poser.reference()[node];
+            let single = |values| Channel {
+                target: Target::Node(node),
+                times: vec![0.0],
+                values,
+                interpolation: Interpolation::Linear,
+            };
+            if moved {
+                let [x, y, z, _] = stored_translation(reference.translation);
+                channels.push(single(KeyValues::Translation(vec![[x, y, z]])));
+            }
+            if turned {
+                channels.push(single(KeyValues::Rotation(vec![stored_rotation(reference.rotation)])));
+            }
+        }
+        channels.sort_by_key(|channel| (channel.target, matches!(channel.values, KeyValues::Rotation(_))));
+        channels.extend(contact_channels(contacts, duration as f32));
+        Clip { name: self.input.name.to_owned(), fps: self.input.fps, duration, channels }
+    }
+}
+
+impl Track {
+    fn difference(&self, a: &Value, b: &Value) -> f64 {
+        if self.rotates { chord(quaternion(a), quaternion(b)) } else { vector(a).distance(vector(b)) }
+    }
+
+    /// As a reader interpolates between two frames.
+    fn between(&self, from: usize, to: usize, share: f64) -> Value {
+        let (a, b) = (&self.values[from], &self.values[to]);
+        if self.rotates {
+            let turn = slerp(quaternion(a), quaternion(b), share);
+            [turn.x as f32, turn.y as f32, turn.z as f32, turn.w as f32]
+        } else {
+            let place = vector(a).lerp(vector(b), share);
+            [place.x as f32, place.y as f32, place.z as f32, 0.0]
+        }
+    }
+
+    /// Between `frame` and the next, from the keys that are left.
+    fn reduced(&self, times: &[f32], frame: usize, share: f64) -> Value {
+        let (from, to) = (self.around[frame].0, self.around[(frame + 1).min(times.len() - 1)].1);
+        if from == to || times[from] >= times[to] {
+            return self.values[from];
+        }
+        let time = f64::from(times[frame])
+            + share * (f64::from(times[(frame + 1).min(times.len() - 1)]) - f64::from(times[frame]));
+        self.between(from, to, (time - f64::from(times[from])) / (f64::from(times[to]) - f64::from(times[from])))
+    }
+
+    /// Keeps the worst frame between two kept ones, and so on, until all others are within tolerance.
+    fn split(&mut self, times: &[f64], from: usize, to: usize) {
+        let mut open = vec![(from, to)];
+        while let Some((from, to)) = open.pop() {
+            let mut worst = (0.0, from);
+            for frame in from + 1..to {
+                let share = (times[frame] - times[from]) / (times[to] - times[from]);
+                let off = self.difference(&self.between(from, to, share), &self.values[frame]);
+                if off > worst.0 {
+                    worst = (off, frame);
+                }
+            }
+            if worst.0 > self.tolerance {
+                self.keep[worst.1] = true;
+                open.extend([(from, worst.1), (worst.1, to)]);
+            }
+        }
+    }
+
+    fn look_around(&mut self) {
+        let count = self.keep.len();
+        self.around = vec![(0, 0); count];
+        let mut at = 0;
+        for frame in 0..count {
+            if self.keep[frame] {
+                at = frame;
+            }
+            self.around[frame].0 = at;
+        }
+        let mut at = self.keep.iter().rposition(|keep| *keep).unwrap_or(0);
+        for frame in (0..count).rev() {
+            if self.keep[frame] {
+                at = frame;
+            }
+            self.around[frame].1 = at;
+        }
+    }
+
+    fn channel(&self, times: &[f32]) -> Channel {
+        let kept: Vec<usize> = (0..times.len()).filter(|frame| self.keep[*frame]).collect();
+        let values = if self.rotates {
+            let mut keys: Vec<Value> = Vec::with_capacity(kept.len());
+            for frame in &kept {
+                let key = self.values[*frame];
+                let opposite =
+                    keys.last().is_some_and(|before| before.iter().zip(&key).map(|(a, b)| a * b).sum::<f32>() < 0.0);
+                keys.push(if opposite { key.map(|part| 0.0 - part) } else { key });
+            }
+            KeyValues::Rotation(keys)
+        } else {
+            KeyValues::Translation(
+                kept.iter()
+                    .map(|frame| [self.values[*frame][0], self.values[*frame][1], self.values[*frame][2]])
+                    .collect(),
+            )
+        };
+        let times = kept.iter().map(|frame| times[*frame]).collect();
+        Channel { target: self.target, times, values, interpolation: Interpolation::Linear }
+    }
+}
+
+/// The contacts as plain animation: translation.x of a helper node is 1 while any part of the foot holds.
+fn contact_channels(contacts: &[(&FootContact, f32, f32)], duration: f32) -> Vec<Channel> {
+    let channel = |side: Side| {
+        let mut spans: Vec<(f32, f32)> = contacts
+            .iter()
+            .filter(|(contact, ..)| contact.side == side)
+            .map(|(_, start, end)| (*start, *end))
+            .collect();
+        spans.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut merged: Vec<(f32, f32)> = Vec::new();
+        for (start, end) in spans {
+            match merged.last_mut() {
+                Some(last) if start <= last.1 + 2.0 * SAME_EDGE as f32 => last.1 = last.1.max(end),
+                _ => merged.push((start, end)),
+            }
+        }
+        let mut keys: BTreeMap<u32, f32> = BTreeMap::from([(0.0f32.to_bits(), 0.0)]); // bits of times >= 0 rise with them
+        for (start, end) in merged {
+            keys.insert(start.to_bits(), 1.0);
+            if end < duration {
+                keys.insert(end.to_bits(), 0.0);
+            }
+        }
+        let held = keys.values().next_back().copied().unwrap_or_default();
+        keys.entry(duration.to_bits()).or_insert(held);
+        let times = keys.keys().map(|bits| f32::from_bits(*bits)).collect();
+        let values = KeyValues::Translation(keys.values().map(|value| [*value, 0.0, 0.0]).collect());
+        let target = if side == Side::Left { Target::ContactLeft } else { Target::ContactRight };
+        Channel { target, times, values, interpolation: Interpolation::Step }
+    };
+    Side::BOTH.map(channel).to_vec()
+}
+
+fn stored_translation(place: DVec3) -> Value {
+    [place.x as f32 + 0.0, place.y as f32 + 0.0, place.z as f32 + 0.0, 0.0]
+}
+
+fn stored_rotation(turn: DQuat) -> Value {
+    let turn = turn.normalize();
+    [turn.x as f32 + 0.0, turn.y as f32 + 0.0, turn.z as f32 + 0.0, turn.w as f32 + 0.0]
+}
+
+/// The translation of a key.
+pub(super) fn vector(value: &Value) -> DVec3 {
+    DVec3::new(f64::from(value[0]), f64::from(value[1]), f64::from(value[2]))
+}
+
+/// The rotation of a key.
+pub(super) fn quaternion(value: &Value) -> DQuat {
+    DQuat::from_xyzw(f64::from(value[0]), f64::from(value[1]), f64::from(value[2]), f64::from(value[3])).normalize()
+}

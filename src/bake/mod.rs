@@ -2,3 +2,5 @@
 
 pub mod contacts;
 pub mod keys;
+mod leg_chain;
+pub mod root_motion;

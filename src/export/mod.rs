@@ -1,1 +1,88 @@
-//! Clips as bytes: the source document with an animation appended, events beside it.
+//! Clips as bytes: the source document with animations appended, events beside it. No file is touched here.
+
+mod buffers;
+pub mod events;
+pub mod glb;
+
+pub use events::events_json;
+pub use glb::{ExportedGlb, glb};
+
+/// Why a clip could not be written.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ExportError {
+    /// A key, or a number of the report, is NaN or infinite.
+    #[error("clip \"{clip}\": {node} is not a number at {time:.4} s")]
+    NotFinite {
+        /// The clip.
+        clip: String,
+        /// Whose value: a node and its path.
+        node: String,
+        /// s.
+        time: f64,
+    },
+    /// Key times that no reader accepts.
+    #[error("clip \"{clip}\": {node}: {reason}")]
+    Keys {
+        /// The clip.
+        clip: String,
+        /// The node and its path.
+        node: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The source document lacks what the clip needs.
+    #[error("the source document: {reason}")]
+    Document {
+        /// What is wrong, with its place.
+        reason: String,
+    },
+    /// The JSON could not be made.
+    #[error("writing JSON: {reason}")]
+    Json {
+        /// As serde_json says.
+        reason: String,
+    },
+    /// GLB counts bytes with 32 bits.
+    #[error("the file would have {bytes} bytes; a GLB holds at most 4 GiB")]
+    TooLarge {
+        /// How many.
+        bytes: usize,
+    },
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use crate::model::report::*;
+    use crate::model::{ClipReport, Side};
+
+    /// A report with one of everything.
+    pub(crate) fn report(title: &str) -> ClipReport {
+        ClipReport {
+            version: 1,
+            generator: "surefoot test".into(),
+            fps: 30.0,
+            duration: 1.0,
+            seed: 7,
+            root_motion: "root".into(),
+            drive: "stepper".into(),
+            scenario: title.into(),
+            outcome: Outcome::Sway,
+            steps: 0,
+            body: BodyReport { mass: 89.5, height: 1.7 },
+            contacts: vec![Contact {
+                foot: Side::Left,
+                part: Part::Flat,
+                start: 0.0,
+                end: 1.0,
+                frame: "world".into(),
+                position: [0.1, 0.0, 0.0],
+                normal: [0.0, 1.0, 0.0],
+                slip_mm: 0.1,
+            }],
+            events: vec![Event { time: 0.5, name: "push_start".into(), foot: None }],
+            disturbances: Vec::new(),
+            assist: Assist::default(),
+            plausibility: Plausibility::default(),
+        }
+    }
+}

@@ -3,6 +3,7 @@
 //! The way of a file: bytes -> [`document`] (JSON and buffers, checked) -> nodes and bind pose -> roles (VRM extension,
 //! name tables of `rigs/names/`, geometry, override file) -> [`Body`] in scenario space.
 
+pub mod animate;
 pub mod body;
 pub mod mannequin;
 mod mannequin_document;
@@ -11,7 +12,7 @@ mod mannequin_shape;
 mod segments;
 mod sole;
 
-use crate::model::{Body, BodyPose, Clip, Role};
+use crate::model::{Body, Role};
 use glam::{DQuat, DVec2, DVec3};
 use std::collections::BTreeMap;
 
@@ -45,6 +46,8 @@ pub struct Document {
     pub glb_buffer: bool,
     /// Images decoded for pictures, by image index; `None` where it could not be read (never an error).
     pub images: Vec<Option<image::RgbaImage>>,
+    /// The files of images that lie beside the document (a relative uri), by image index: they move into an exported GLB.
+    pub image_files: Vec<Option<Vec<u8>>>,
 }
 
 /// A node: local transforms relative to its parent, document units.

@@ -1,0 +1,219 @@
+//! Where a clip's travel goes: onto a root bone, into the hips, or away.
+//!
+//! The root follows the character over the ground (x, z and yaw, scenario space) along the hips' path with the sway taken
+//! out: a zero-lag Gaussian over 0.2 s whose ends are pinned, so that the root starts at rest and ends exactly under the
+//! character, where the next clip goes on. Height stays with the hips. Only flat ground is thought of here.
+
+use crate::model::BodyPose;
+use crate::rig::Rig;
+use crate::rig::animate::{RootCarrier, RootMove};
+use glam::{DQuat, DVec3};
+use std::f64::consts::{PI, TAU};
+
+/// s, standard deviation of the filter on the root's path.
+const SMOOTHING: f64 = 0.2;
+
+/// Where the travel goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RootMotion {
+    /// Onto the root bone, or a new `Root` where the rig has none.
+    #[default]
+    Root,
+    /// All in the hips.
+    Hips,
+    /// Horizontal travel is left out: the feet slide by design, and contacts are those of the travelling clip.
+    InPlace,
+}
+
+impl RootMotion {
+    /// As the command line and the report spell it.
+    pub fn name(self) -> &'static str {
+        match self {
+            RootMotion::Root => "root",
+            RootMotion::Hips => "hips",
+            RootMotion::InPlace => "in-place",
+        }
+    }
+
+    /// The mode of that name.
+    pub fn from_name(name: &str) -> Option<RootMotion> {
+        [RootMotion::Root, RootMotion::Hips, RootMotion::InPlace].into_iter().find(|mode| mode.name() == name)
+    }
+
+    /// The node that carries it on a rig.
+    pub fn carrier(self, rig: &Rig) -> RootCarrier {
+        match self {
+            RootMotion::Hips => RootCarrier::None,
+            RootMotion::Root | RootMotion::InPlace => root_bone(rig).map_or(RootCarrier::New, RootCarrier::Node),
+        }
+    }
+}
+
+/// The rig's own root bone: above the hips, on the ground at the origin, and a joint of a skin or called "root". A name wins
+/// over a place, the upper over the lower.
+pub fn root_bone(rig: &Rig) -> Option<usize> {
+    let joints: Vec<u64> = rig.document.json["skins"].as_array().map_or_else(Vec::new, |skins| {
+        skins
+            .iter()
+            .filter_map(|skin| skin["joints"].as_array())
+            .flatten()
+            .filter_map(serde_json::Value::as_u64)
+            .collect()
+    });
+    let globals = rig.bind_globals();
+    let mut above = Vec::new();
+    let mut at = rig.nodes.get(rig.hips_node())?.parent;
+    while let Some(node) = at {
+        above.push(node);
+        at = rig.nodes[node].parent;
+    }
+    let near = |node: usize| {
+        let place = globals[node].translation / rig.body.height.max(1e-6);
+        place.x.hypot(place.z) < 0.05 && place.y.abs() < 0.1
+    };
+    above.retain(|node| near(*node));
+    let named = above.iter().rev().find(|node| rig.nodes[**node].name.as_deref().is_some_and(is_root_name));
+    named.or_else(|| above.iter().rev().find(|node| joints.contains(&(**node as u64)))).copied()
+}
+
+fn is_root_name(name: &str) -> bool {
+    let plain: String = name
+        .rsplit([':', '|'])
+        .next()
+        .unwrap_or(name)
+        .chars()
+        .filter(char::is_ascii_alphanumeric)
+        .collect::<String>()
+        .to_ascii_lowercase();
+    matches!(
+        plain.as_str(),
+        "root" | "rootmotion" | "rootbone" | "boneroot" | "rlboneroot" | "ccbaseboneroot" | "rootx"
+    )
+}
+
+/// The root's path, sampled evenly and joined by cubics.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RootCurve {
+    dt: f64,
+    samples: Vec<[f64; 3]>, // x, z (m), yaw (rad)
+}
+
+impl RootCurve {
+    /// The path for poses `dt` s apart, the first at time 0. Without `turning` the yaw stays 0.
+    pub fn follow(poses: &[BodyPose], dt: f64, turning: bool) -> RootCurve {
+        let Some(first) = poses.first() else { return RootCurve { dt, samples: vec![[0.0; 3]] } };
+        let mut yaw = 0.0;
+        let mut samples = Vec::with_capacity(poses.len());
+        for pose in poses {
+            if turning {
+                let twist = twist(pose.turns[0]) - twist(first.turns[0]);
+                yaw += (twist - yaw + PI).rem_euclid(TAU) - PI;
+            }
+            let place = pose.hips - DQuat::from_rotation_y(yaw) * first.hips;
+            samples.push([place.x, place.z, yaw]);
+        }
+        RootCurve { dt, samples: smooth(&samples, SMOOTHING / dt.max(1e-6)) }
+    }
+
+    /// Where the root is at `time` (s), from rest.
+    pub fn at(&self, time: f64) -> RootMove {
+        let last = self.samples.len() - 1;
+        let place = (time / self.dt.max(1e-9)).clamp(0.0, last as f64);
+        let index = (place.floor() as usize).min(last.saturating_sub(1));
+        let share = place - index as f64;
+        let sample = |offset: isize, axis: usize| {
+            let at = index as isize + offset;
+            let inside = |at: isize| self.samples[at.clamp(0, last as isize) as usize][axis];
+            if at < 0 {
+                2.0 * inside(0) - inside(-at)
+            } else if at > last as isize {
+                2.0 * inside(last as isize) - inside(2 * last as isize - at)
+            } else {
+                inside(at)
+            }
+        };
+        let [x, z, yaw] = [0, 1, 2].map(|axis| cubic([-1, 0, 1, 2].map(|offset| sample(offset, axis)), share));
+        RootMove { rotation: DQuat::from_rotation_y(yaw), translation: DVec3::new(x, 0.0, z) }
+    }
+}
+
+/// The turn about +Y in a rotation, rad.
+fn twist(turn: DQuat) -> f64 {
+    if turn.y == 0.0 && turn.w == 0.0 { 0.0 } else { 2.0 * turn.y.atan2(turn.w) }
+}
+
+/// Catmull-Rom through the middle two.
+fn cubic([before, from, to, after]: [f64; 4], share: f64) -> f64 {
+    let (start, end) = ((to - before) / 2.0, (after - from) / 2.0);
+    let difference = to - from;
+    from + share * (start + share * ((3.0 * difference - 2.0 * start - end) + share * (start + end - 2.0 * difference)))
+}
+
+/// Gaussian of `deviation` samples; the ends continue by point reflection, which leaves the end samples where they are.
+fn smooth(samples: &[[f64; 3]], deviation: f64) -> Vec<[f64; 3]> {
+    let last = samples.len() as isize - 1;
+    let reach = ((3.0 * deviation).ceil() as isize).min(last.max(0));
+    let weights: Vec<f64> = (-reach..=reach).map(|offset| (-0.5 * (offset as f64 / deviation).powi(2)).exp()).collect();
+    let total: f64 = weights.iter().sum();
+    let extended = |at: isize, axis: usize| {
+        let inside = |at: isize| samples[at.clamp(0, last) as usize][axis];
+        match at {
+            at if at < 0 => 2.0 * inside(0) - inside(-at),
+            at if at > last => 2.0 * inside(last) - inside(2 * last - at),
+            at => inside(at),
+        }
+    };
+    let filtered = |centre: isize, axis: usize| {
+        let terms = weights.iter().zip(-reach..=reach).map(|(weight, offset)| weight * extended(centre + offset, axis));
+        terms.sum::<f64>() / total
+    };
+    let mut result: Vec<[f64; 3]> = (0..=last).map(|centre| [0, 1, 2].map(|axis| filtered(centre, axis))).collect();
+    for end in [0, last as usize] {
+        result[end] = samples[end]; // the same but for rounding
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn walk(count: usize, dt: f64) -> Vec<BodyPose> {
+        let pose = |index: usize| {
+            let time = index as f64 * dt;
+            let going = (time - 1.0).clamp(0.0, 1.0);
+            let sway = 0.03 * (TAU * 3.0 * time).sin() * going * (2.0 - time).max(0.0);
+            let hips = DVec3::new(0.02 + sway, 0.9, 0.05 + going * going * (3.0 - 2.0 * going));
+            BodyPose { hips, turns: vec![DQuat::from_rotation_y(3.5 * going)] }
+        };
+        (0..count).map(pose).collect()
+    }
+
+    #[test]
+    fn the_root_starts_at_rest_and_ends_under_the_character() {
+        let poses = walk(91, 1.0 / 30.0);
+        let curve = RootCurve::follow(&poses, 1.0 / 30.0, true);
+        assert_eq!(curve.at(0.0), RootMove::IDENTITY);
+        let end = curve.at(3.0);
+        // Turned by more than half a circle: the angle is followed, not wrapped.
+        assert!(end.rotation.angle_between(DQuat::from_rotation_y(3.5)) < 1e-9, "{end:?}");
+        let hips = end.affine().transform_point3(poses[0].hips);
+        assert!(hips.distance(poses[90].hips) < 1e-9, "{hips}");
+    }
+
+    #[test]
+    fn sway_stays_in_the_hips() {
+        let poses = walk(91, 1.0 / 30.0);
+        let curve = RootCurve::follow(&poses, 1.0 / 30.0, false);
+        let jitter = |path: &[f64]| path.windows(3).map(|p| (p[0] - 2.0 * p[1] + p[2]).abs()).fold(0.0, f64::max);
+        let raw: Vec<f64> = poses.iter().map(|pose| pose.hips.x).collect();
+        let root: Vec<f64> = (0..91).map(|index| curve.at(f64::from(index) / 30.0).translation.x).collect();
+        assert!(jitter(&root) < 0.05 * jitter(&raw), "{} {}", jitter(&root), jitter(&raw));
+    }
+
+    #[test]
+    fn one_pose_makes_a_root_that_stays() {
+        let curve = RootCurve::follow(&walk(1, 0.1), 0.1, true);
+        assert_eq!(curve.at(5.0), RootMove::IDENTITY);
+    }
+}
