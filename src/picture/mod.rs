@@ -1,1 +1,35 @@
-//! Pictures as bytes: contact sheets.
+//! Pictures as bytes: contact sheets, drawn on the CPU.
+//!
+//! [`sheet()`] shows a clip on its rig at the moments that tell, [`film`] at equal distances, [`stick_strip`] poses of a
+//! body alone, as capsules. Below them: [`skin`] poses a rig's mesh, [`compose`] lays out a page of [`Frame`]s,
+//! [`marks`] draws what is known of the balance, [`raster`] draws triangles.
+
+pub mod compose;
+pub mod figure;
+pub mod marks;
+pub mod moments;
+pub mod paint;
+pub mod plan;
+pub mod raster;
+pub mod shadow;
+pub mod sheet;
+pub mod skin;
+pub mod strip;
+pub mod text;
+
+pub use compose::{Frame, Header, Layout, Trail};
+pub use marks::{Overlay, Push, SoleMark};
+pub use moments::{Moment, choose_moments, even_moments};
+pub use sheet::{SheetInput, film, sheet};
+pub use skin::{NodeTransforms, transforms_of_globals, transforms_of_locals};
+pub use strip::stick_strip;
+
+/// The bytes of a PNG file.
+pub fn png(image: &image::RgbaImage) -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    // Writing to memory cannot fail but by size; an empty answer then is no PNG and its writer says so.
+    match image.write_to(&mut bytes, image::ImageFormat::Png) {
+        Ok(()) => bytes.into_inner(),
+        Err(_) => Vec::new(),
+    }
+}
