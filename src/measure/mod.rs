@@ -1,1 +1,177 @@
 //! What is true of a motion: slip, penetration, ZMP, residual wrench, pops. One definition for bake, audit and tests.
+//!
+//! Scenario space, SI units, f64. A [`Motion`] is sampled uniformly, four samples a frame of the clip, from the keys
+//! that a reader will get; the contacts it claims and the pushes it was given come beside it. [`measure`] gives every
+//! finding, [`plausibility()`] the part of them that a baked clip says about itself.
+
+pub mod dynamics;
+pub mod feet;
+#[cfg(test)]
+pub(crate) mod fixture;
+pub mod joints;
+pub mod outcome;
+pub mod plausibility;
+pub mod residual;
+pub mod support;
+pub mod zmp;
+
+pub use outcome::{Balance, balance};
+pub use plausibility::{Findings, measure, plausibility};
+
+use crate::model::{Body, BodyPose, Side, report::Part};
+use glam::DVec3;
+
+/// m/s²; gravity points along -Y.
+pub const GRAVITY: f64 = 9.81;
+
+/// m/s, speed of the centre of mass above which the body moves.
+pub const MOVING_SPEED: f64 = 0.05;
+
+/// A motion to measure: poses at 0, 1/hz, 2/hz, ...
+#[derive(Clone, Copy, Debug)]
+pub struct Motion<'a> {
+    /// What moves.
+    pub body: &'a Body,
+    /// Samples a second: `per_frame` times the clip's frame rate.
+    pub hz: f64,
+    /// Samples a frame of the clip, 4 by the measures' definition. Pops are looked for from frame to frame.
+    pub per_frame: usize,
+    /// The samples.
+    pub poses: &'a [BodyPose],
+}
+
+/// A contact that the motion claims.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeldContact {
+    /// Which foot.
+    pub side: Side,
+    /// Which part of its sole holds.
+    pub part: Part,
+    /// s.
+    pub start: f64,
+    /// s.
+    pub end: f64,
+    /// m, a point of the ground plane under the foot.
+    pub point: DVec3,
+    /// The plane's unit normal.
+    pub normal: DVec3,
+}
+
+/// A known outside force, constant from start to end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KnownPush {
+    /// s.
+    pub start: f64,
+    /// s.
+    pub end: f64,
+    /// N.
+    pub force: DVec3,
+    /// Where it acts.
+    pub at: PushPoint,
+}
+
+/// Where a push acts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PushPoint {
+    /// At the centre of mass: it has no moment.
+    Centre,
+    /// At that joint of the body, wherever it is.
+    Joint(usize),
+    /// At a point of a joint's segment: offset from the joint at rest, m.
+    Segment(usize, DVec3),
+    /// At a point of scenario space, m.
+    World(DVec3),
+}
+
+impl Motion<'_> {
+    /// Whether it can be measured: a rate, samples of the body's own size, nothing infinite, some mass.
+    pub fn is_sound(&self) -> bool {
+        let joints = self.body.joints.len();
+        self.hz > 0.0
+            && self.hz.is_finite()
+            && self.per_frame > 0
+            && joints > 0
+            && !self.poses.is_empty()
+            && self.body.mass > 0.0
+            && self.body.segments.iter().all(|segment| segment.joint < joints)
+            && self.poses.iter().all(|pose| {
+                pose.turns.len() == joints && pose.hips.is_finite() && pose.turns.iter().all(|turn| turn.is_finite())
+            })
+    }
+
+    /// s, the time of a sample.
+    pub fn time(&self, sample: usize) -> f64 {
+        sample as f64 / self.hz
+    }
+
+    /// The samples that lie in a span of time, both ends counted.
+    pub fn samples_in(&self, start: f64, end: f64) -> std::ops::Range<usize> {
+        let from = (start * self.hz - 1e-6).ceil().max(0.0) as usize;
+        let to = (end * self.hz + 1e-6).floor() + 1.0;
+        let to = if to > 0.0 { (to as usize).min(self.poses.len()) } else { 0 };
+        from.min(to)..to
+    }
+}
+
+impl HeldContact {
+    /// m, height of a point over the contact's plane, along its normal.
+    pub fn height(&self, point: DVec3) -> f64 {
+        (point - self.point).dot(self.normal)
+    }
+}
+
+/// A motion with the positions of all its joints.
+#[derive(Clone, Debug)]
+pub struct Track<'a> {
+    /// The motion.
+    pub motion: Motion<'a>,
+    positions: Vec<DVec3>, // (samples x joints), sample-major
+}
+
+impl<'a> Track<'a> {
+    /// Forward kinematics of every sample; `None` for a motion that cannot be measured.
+    pub fn new(motion: Motion<'a>) -> Option<Track<'a>> {
+        if !motion.is_sound() {
+            return None;
+        }
+        let mut positions = Vec::with_capacity(motion.poses.len() * motion.body.joints.len());
+        let mut one = Vec::new();
+        for pose in motion.poses {
+            pose.positions_into(motion.body, &mut one);
+            positions.extend_from_slice(&one);
+        }
+        Some(Track { motion, positions })
+    }
+
+    /// Samples.
+    pub fn len(&self) -> usize {
+        self.motion.poses.len()
+    }
+
+    /// Whether there is no sample (never, of a track that was made).
+    pub fn is_empty(&self) -> bool {
+        self.motion.poses.is_empty()
+    }
+
+    /// Joint positions of one sample, m.
+    pub fn positions(&self, sample: usize) -> &[DVec3] {
+        let joints = self.motion.body.joints.len();
+        &self.positions[sample * joints..(sample + 1) * joints]
+    }
+
+    /// m, a point that is rigid with a joint: its offset from the joint at rest.
+    pub fn rigid_point(&self, sample: usize, joint: usize, offset: DVec3) -> DVec3 {
+        self.positions(sample)[joint] + self.motion.poses[sample].turns[joint] * offset
+    }
+}
+
+/// The value below which a share of the values lies (nearest rank); 0 for none.
+pub fn percentile(values: &[f64], share: f64) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let rank = (share * sorted.len() as f64).ceil() as usize;
+    sorted[rank.clamp(1, sorted.len()) - 1]
+}

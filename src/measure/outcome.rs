@@ -1,0 +1,250 @@
+//! How a motion ends: moved, at rest, fallen, recovered; and how much of a push the centre of mass took up.
+//!
+//! DESIGN "Measures" says what each word means. Scenario space, SI. "The ground below it" is the plane of the contact
+//! that holds (the last one that did), y = 0 before any.
+
+use super::dynamics::Dynamics;
+use super::support::Support;
+use super::{GRAVITY, HeldContact, KnownPush, MOVING_SPEED, Track};
+use crate::model::{Role, Side, report::Outcome};
+use glam::DVec3;
+
+/// Share of its standing height under which the centre of mass has fallen.
+const FALLEN_SHARE: f64 = 0.57;
+/// s of stillness that are rest.
+const REST_SPAN: f64 = 0.5;
+/// s from a push's start within which the body must be at rest again.
+const RECOVERY_SPAN: f64 = 8.0;
+/// s after a push within which its speed shows.
+const SPEED_SPAN: f64 = 0.3;
+/// s; what pushes for longer drags, and says nothing by the speed it gives.
+const LONGEST_PUSH: f64 = 1.0;
+/// Share of the body's height under which a joint other than the feet's lies on the ground.
+const TOUCHING_SHARE: f64 = 0.02;
+
+/// How the body kept itself up.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Balance {
+    /// Whether the centre of mass ever moved.
+    pub moved: bool,
+    /// s, when it first had fallen.
+    pub fallen: Option<f64>,
+    /// s, from when on it is at rest until the end: `None` if it is not at the end. A clip that ends before half a
+    /// second of it has passed has not come to rest.
+    pub rest_from: Option<f64>,
+    /// Not fallen, and at rest within 8 s of the last push (of the beginning, without one).
+    pub recovered: bool,
+}
+
+/// Looks at the whole motion; `standing_height` is that of the centre of mass in the natural stand (m), the first
+/// sample's where it is not given.
+pub fn balance(
+    track: &Track,
+    dynamics: &Dynamics,
+    supports: &[Option<Support>],
+    contacts: &[HeldContact],
+    pushes: &[KnownPush],
+    standing_height: Option<f64>,
+) -> Balance {
+    let motion = track.motion;
+    let ground = |sample: usize| ground_below(contacts, motion.time(sample), dynamics.com[sample]);
+    let standing = standing_height.unwrap_or_else(|| dynamics.com[0].y - ground(0));
+    let others = others_than_feet(track);
+    let fallen = (0..track.len()).find(|sample| {
+        let floor = ground(*sample);
+        let touching = floor + TOUCHING_SHARE * motion.body.height;
+        dynamics.com[*sample].y - floor < FALLEN_SHARE * standing
+            || others.iter().any(|joint| track.positions(*sample)[*joint].y < touching)
+    });
+    let still = |sample: usize| {
+        let time = motion.time(sample);
+        let both = Side::BOTH
+            .iter()
+            .all(|side| contacts.iter().any(|c| c.side == *side && c.start - 1e-6 <= time && time <= c.end + 1e-6));
+        both && dynamics.velocity[sample].length() < MOVING_SPEED
+            && supports[sample].as_ref().is_some_and(|support| {
+                support.outside(support.on_plane(extrapolated(dynamics, sample, ground(sample)))) <= 0.0
+            })
+    };
+    let from = (0..track.len()).rev().take_while(|sample| still(*sample)).last();
+    let end = motion.time(track.len() - 1);
+    let rest_from = from.map(|sample| motion.time(sample)).filter(|from| end - from >= REST_SPAN - 1e-6);
+    let pushed = pushes.iter().map(|push| push.start).fold(0.0, f64::max);
+    Balance {
+        moved: dynamics.velocity.iter().any(|velocity| velocity.length() > MOVING_SPEED),
+        fallen: fallen.map(|sample| motion.time(sample)),
+        rest_from,
+        recovered: fallen.is_none() && rest_from.is_some_and(|from| from + REST_SPAN <= pushed + RECOVERY_SPAN),
+    }
+}
+
+impl Balance {
+    /// The clip's outcome; a step is a foot that lifted and stands again.
+    pub fn outcome(&self, steps: u32) -> Outcome {
+        match (self.fallen, steps, self.moved) {
+            (Some(_), ..) => Outcome::Fall,
+            (None, 0, false) => Outcome::Still,
+            (None, 0, true) => Outcome::Sway,
+            (None, ..) => Outcome::Step,
+        }
+    }
+}
+
+/// Peak change of the centre of mass's speed along a push, from the push's start until 0.3 s after its end, over
+/// impulse / mass; of several pushes the one that is farthest from 1. Forces of all pushes in that span count into the
+/// impulse. `None` without a push of at most a second.
+pub fn speed_ratio(track: &Track, dynamics: &Dynamics, pushes: &[KnownPush]) -> Option<f64> {
+    let motion = track.motion;
+    let mass = motion.body.mass;
+    let ratio = |push: &KnownPush| {
+        let direction = push.force.try_normalize()?;
+        let until = push.end + SPEED_SPAN;
+        let impulse: f64 = pushes
+            .iter()
+            .map(|other| (other.end.min(until) - other.start.max(push.start)).max(0.0) * other.force.dot(direction))
+            .sum();
+        let samples = motion.samples_in(push.start, until);
+        if impulse <= 0.0 || samples.is_empty() {
+            return None;
+        }
+        let before = dynamics.velocity[samples.start].dot(direction);
+        let peak = samples.map(|sample| dynamics.velocity[sample].dot(direction) - before).fold(0.0, f64::max);
+        Some(peak * mass / impulse)
+    };
+    pushes
+        .iter()
+        .filter(|push| push.end > push.start && push.end - push.start <= LONGEST_PUSH + 1e-9)
+        .filter_map(ratio)
+        .max_by(|a, b| (a - 1.0).abs().total_cmp(&(b - 1.0).abs()))
+}
+
+/// The extrapolated centre of mass c + v/ω, on the ground.
+fn extrapolated(dynamics: &Dynamics, sample: usize, ground: f64) -> DVec3 {
+    let com = dynamics.com[sample];
+    let omega = (GRAVITY / (com.y - ground).max(0.05)).sqrt();
+    let at = com + dynamics.velocity[sample] / omega;
+    DVec3::new(at.x, ground, at.z)
+}
+
+/// m, the height of the ground under a point: the plane of the contact that holds then, or that last did.
+fn ground_below(contacts: &[HeldContact], time: f64, point: DVec3) -> f64 {
+    let begun = contacts.iter().filter(|contact| contact.start <= time + 1e-6 && contact.normal.y > 0.1);
+    match begun.max_by(|a, b| a.end.min(time).total_cmp(&b.end.min(time))) {
+        Some(contact) => {
+            let n = contact.normal;
+            contact.point.y - ((point.x - contact.point.x) * n.x + (point.z - contact.point.z) * n.z) / n.y
+        }
+        None => 0.0,
+    }
+}
+
+/// Joints that are neither a foot nor a toe.
+fn others_than_feet(track: &Track) -> Vec<usize> {
+    let feet = [Role::LeftFoot, Role::RightFoot, Role::LeftToes, Role::RightToes];
+    let joints = track.motion.body.joints.iter().enumerate();
+    joints.filter(|(_, joint)| !feet.contains(&joint.role)).map(|(index, _)| index).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::support::support;
+    use super::super::{PushPoint, dynamics::dynamics, fixture};
+    use super::*;
+    use crate::model::{Body, BodyPose};
+
+    fn judged(body: &Body, poses: &[BodyPose], contacts: &[HeldContact], pushes: &[KnownPush]) -> Balance {
+        let track = Track::new(fixture::motion(body, poses)).expect("sound");
+        let dynamics = dynamics(&track, pushes);
+        let supports: Vec<_> = (0..track.len()).map(|sample| support(&track, contacts, sample)).collect();
+        balance(&track, &dynamics, &supports, contacts, pushes, None)
+    }
+
+    fn push(start: f64, end: f64) -> KnownPush {
+        KnownPush { start, end, force: DVec3::X * 200.0, at: PushPoint::Centre }
+    }
+
+    #[test]
+    fn a_body_that_sways_and_stops_has_recovered() {
+        let body = fixture::body();
+        let poses = fixture::poses(&body, 481, |pose, sample| {
+            let u = ((sample / 120.0 - 1.0) / 1.0).clamp(0.0, 1.0);
+            pose.hips.x += 0.05 * 16.0 * u * u * (1.0 - u) * (1.0 - u);
+        });
+        let found = judged(&body, &poses, &fixture::standing(), &[push(1.0, 1.2)]);
+        assert!(found.moved && found.recovered && found.fallen.is_none(), "{found:?}");
+        let rest = found.rest_from.expect("it rests");
+        assert!((1.7..2.1).contains(&rest), "{rest}");
+        assert_eq!((found.outcome(0), found.outcome(2)), (Outcome::Sway, Outcome::Step));
+        // Cut off 0.3 s after the sway it has not come to rest.
+        let short = judged(&body, &poses[..268], &fixture::standing(), &[push(1.0, 1.2)]);
+        assert!(short.rest_from.is_none() && !short.recovered, "{short:?}");
+    }
+
+    #[test]
+    fn on_one_foot_nobody_rests() {
+        let body = fixture::body();
+        let poses = fixture::poses(&body, 240, |_, _| {});
+        let found = judged(&body, &poses, &[fixture::flat(Side::Left, 0.0, 9.0)], &[]);
+        assert!(found.rest_from.is_none() && !found.moved, "{found:?}");
+    }
+
+    #[test]
+    fn a_body_that_sinks_under_57_percent_has_fallen_and_one_above_has_not() {
+        let body = fixture::body();
+        let stands = fixture::com(&body).y;
+        let mut seen = [0, 0];
+        for drop in [0.30, 0.36, 0.40, 0.44, 0.50, 0.60] {
+            // Squatting on feet that stay: thighs forward, shanks back.
+            let poses = fixture::poses(&body, 240, |pose, sample| {
+                let u = (sample / 120.0).clamp(0.0, 1.0);
+                let sunk = drop * (3.0 * u * u - 2.0 * u * u * u);
+                pose.hips.y -= sunk;
+                let bend = (1.0 - sunk / 0.82).acos();
+                for side in Side::BOTH {
+                    let hip = body.feet[side as usize].ankle - 2;
+                    pose.turns[hip] = glam::DQuat::from_rotation_x(-bend);
+                    pose.turns[hip + 1] = glam::DQuat::from_rotation_x(bend);
+                }
+            });
+            let last = &poses[239];
+            let share = last.centre_of_mass(&body, &last.positions(&body)).y / stands;
+            let fallen = judged(&body, &poses, &fixture::standing(), &[]).fallen;
+            assert_eq!(fallen.is_some(), share < 0.57, "sunk by {drop} to {share}");
+            seen[usize::from(fallen.is_some())] += 1;
+        }
+        assert!(seen[0] >= 2 && seen[1] >= 2, "{seen:?}");
+    }
+
+    #[test]
+    fn a_hand_on_the_ground_is_a_fall() {
+        let mut body = fixture::body();
+        let poses = fixture::poses(&body, 60, |_, _| {});
+        assert!(judged(&body, &poses, &fixture::standing(), &[]).fallen.is_none());
+        let hand = body.joint(Role::LeftHand).expect("a hand");
+        body.joints[hand].rest.y = 0.01;
+        let poses = fixture::poses(&body, 60, |_, _| {});
+        assert_eq!(judged(&body, &poses, &fixture::standing(), &[]).fallen, Some(0.0));
+    }
+
+    #[test]
+    fn a_sliding_body_takes_up_all_of_a_push_and_a_braced_one_half() {
+        let body = fixture::body();
+        let moved = |share: f64, before: f64| {
+            let poses = fixture::poses(&body, 360, |pose, sample| {
+                let t = sample / 120.0;
+                let during = (t - 1.0).clamp(0.0, 0.2);
+                let a = share * 200.0 / body.mass;
+                pose.hips.x += before * t + 0.5 * a * during * during + a * during * (t - 1.2).max(0.0);
+            });
+            let track = Track::new(fixture::motion(&body, &poses)).expect("sound");
+            speed_ratio(&track, &dynamics(&track, &[]), &[push(1.0, 1.2)]).expect("a push")
+        };
+        assert!((moved(1.0, 0.0) - 1.0).abs() < 0.03, "{}", moved(1.0, 0.0));
+        assert!((moved(0.5, 0.0) - 0.5).abs() < 0.03, "{}", moved(0.5, 0.0));
+        assert!((moved(1.0, 1.5) - 1.0).abs() < 0.03, "a walk before it does not count: {}", moved(1.0, 1.5));
+        let body = fixture::body();
+        let poses = fixture::poses(&body, 360, |_, _| {});
+        let track = Track::new(fixture::motion(&body, &poses)).expect("sound");
+        assert_eq!(speed_ratio(&track, &dynamics(&track, &[]), &[push(0.0, 3.0)]), None, "a pull has none");
+    }
+}
