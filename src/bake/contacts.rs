@@ -1,7 +1,9 @@
 //! Foot contacts of a run in scenario space: what the pose solver holds still and the clip promises.
 
+use crate::measure::HeldContact;
 use crate::model::{Side, report::Part};
 use crate::stepper::Plant;
+use glam::DVec3;
 
 /// One unbroken contact of one part of one foot.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,4 +18,19 @@ pub struct FootContact {
     pub end: f64,
     /// Where the foot stands (flat) during, before or after it.
     pub plant: Plant,
+}
+
+/// The contacts as the measures take them: on the plane that each foot stands on.
+pub fn held(contacts: &[FootContact]) -> Vec<HeldContact> {
+    contacts
+        .iter()
+        .map(|contact| HeldContact {
+            side: contact.side,
+            part: contact.part,
+            start: contact.start,
+            end: contact.end,
+            point: contact.plant.ankle,
+            normal: DVec3::Y,
+        })
+        .collect()
 }

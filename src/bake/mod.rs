@@ -1,6 +1,117 @@
 //! Trace to clip: the passes that see the whole run before the first key is written.
+//!
+//! [`perform`] makes the motion on the body; [`keys`] turns it into keys on the rig's nodes; [`report`] reads the clip back
+//! as an engine would and says what it measured. Scenario space until the keys. No file is touched here.
 
+mod balance;
 pub mod contacts;
+pub mod feet;
 pub mod keys;
 mod leg_chain;
+pub mod perform;
+mod reach;
+mod report;
 pub mod root_motion;
+pub mod timeline;
+
+pub use perform::{Performance, perform};
+pub use root_motion::RootMotion;
+
+use crate::measure::Findings;
+use crate::model::scenario::Scenario;
+use crate::model::{Body, Clip, ClipReport};
+use crate::rig::Rig;
+
+/// How to bake.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BakeOptions {
+    /// Name of the clip; the scenario's title, made safe, where none is given.
+    pub name: Option<String>,
+    /// Keys a second.
+    pub fps: f64,
+    /// Instead of the scenario's seed.
+    pub seed: Option<u64>,
+    /// Where the travel goes.
+    pub root: RootMotion,
+}
+
+/// A baked clip and what is known of it.
+#[derive(Clone, Debug)]
+pub struct Baked {
+    /// Keys on the rig's nodes.
+    pub clip: Clip,
+    /// What the clip says about itself.
+    pub report: ClipReport,
+    /// The motion behind it.
+    pub performance: Performance,
+    /// All that was measured on the clip; the report holds a part.
+    pub findings: Option<Findings>,
+    /// For a person: what is not as asked.
+    pub warnings: Vec<String>,
+}
+
+/// Why there is no clip.
+#[derive(Debug, thiserror::Error)]
+pub enum BakeError {
+    /// The simulation broke down.
+    #[error(
+        "the simulation broke down at {time:.2} s: {what} is not a finite number. Please report the rig and the scenario"
+    )]
+    BrokeDown {
+        /// s.
+        time: f64,
+        /// What became infinite.
+        what: &'static str,
+    },
+}
+
+impl Default for BakeOptions {
+    fn default() -> BakeOptions {
+        BakeOptions { name: None, fps: 30.0, seed: None, root: RootMotion::Root }
+    }
+}
+
+/// Runs the scenario on the rig and bakes the clip.
+pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Baked, BakeError> {
+    let body: Body = match scenario.character.mass {
+        Some(mass) => rig.body.with_mass(mass),
+        None => rig.body.clone(),
+    };
+    let seed = options.seed.unwrap_or(scenario.seed);
+    let performance = perform(&body, scenario, seed)?;
+    let name = options.name.clone().unwrap_or_else(|| safe_name(&scenario.title));
+    let timeline = &performance.timeline;
+    let clip = keys::keyed_clip(&keys::KeyInput {
+        rig,
+        name: &name,
+        fps: options.fps,
+        duration: timeline.duration(),
+        pose: &|time| timeline.pose_at(time),
+        contacts: &performance.contacts,
+        root_motion: options.root,
+    });
+    let input = report::ReportInput { rig, clip: &clip, performance: &performance, scenario, seed, root: options.root };
+    let (report, findings, warnings) = report::report(&input);
+    Ok(Baked { clip, report, performance, findings, warnings })
+}
+
+/// A clip name that engines take: letters, digits, `_` and `-`; never at its ends the words that Godot loops by.
+pub fn safe_name(title: &str) -> String {
+    let mut name = String::new();
+    for character in title.chars() {
+        if character.is_alphanumeric() || character == '-' {
+            name.push(character);
+        } else if !name.is_empty() && !name.ends_with('_') {
+            name.push('_');
+        }
+    }
+    let name = name.trim_end_matches('_').to_string();
+    let lower = name.to_lowercase();
+    if name.is_empty() {
+        "Reaction".into()
+    } else if ["loop", "cycle"].iter().any(|word| lower.starts_with(word) || lower.ends_with(word)) {
+        format!("Bake_{name}_clip")
+    } else {
+        name
+    }
+}

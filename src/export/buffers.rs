@@ -74,7 +74,10 @@ impl Joined {
             let Some(fields) = image.as_object_mut() else { continue };
             let Some(uri) = fields.get("uri").and_then(Value::as_str) else { continue };
             let Some(data) = document.image_files.get(index).and_then(Option::as_ref) else { continue };
-            let kind = mime_type(data).or_else(|| fields.get("mimeType").and_then(Value::as_str)).unwrap_or_else(|| mime_type_of(uri)).to_owned();
+            let kind = mime_type(data)
+                .or_else(|| fields.get("mimeType").and_then(Value::as_str))
+                .unwrap_or_else(|| mime_type_of(uri))
+                .to_owned();
             views.push(json!({ "buffer": 0, "byteOffset": self.append(data), "byteLength": data.len() }));
             fields.shift_remove("uri");
             fields.insert("mimeType".into(), kind.into());
@@ -99,7 +102,8 @@ fn is_fallback(buffer: &Value) -> bool {
 fn rebase(holder: &mut Value, places: &[(usize, usize)]) -> Result<(), ExportError> {
     let Some(fields) = holder.as_object_mut() else { return Ok(()) };
     let Some(buffer) = fields.get("buffer").and_then(Value::as_u64) else { return Ok(()) };
-    let missing = || ExportError::Document { reason: format!("a buffer view names buffer {buffer} of {}", places.len()) };
+    let missing =
+        || ExportError::Document { reason: format!("a buffer view names buffer {buffer} of {}", places.len()) };
     let (to, offset) = *usize::try_from(buffer).ok().and_then(|buffer| places.get(buffer)).ok_or_else(missing)?;
     fields.insert("buffer".into(), to.into());
     if offset > 0 {

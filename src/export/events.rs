@@ -12,7 +12,8 @@ pub fn events_json<'a>(reports: impl IntoIterator<Item = (&'a str, &'a ClipRepor
     for (name, report) in reports {
         object.insert(name.to_owned(), report_json(name, report)?);
     }
-    let mut bytes = serde_json::to_vec_pretty(&Value::Object(object)).map_err(|error| ExportError::Json { reason: error.to_string() })?;
+    let mut bytes = serde_json::to_vec_pretty(&Value::Object(object))
+        .map_err(|error| ExportError::Json { reason: error.to_string() })?;
     bytes.push(b'\n');
     Ok(bytes)
 }
@@ -22,7 +23,9 @@ pub fn report_json(name: &str, report: &ClipReport) -> Result<Value, ExportError
     let mut value = serde_json::to_value(report).map_err(|error| ExportError::Json { reason: error.to_string() })?;
     round(&mut value, "");
     match not_a_number(&value, "") {
-        Some(place) => Err(ExportError::NotFinite { clip: name.to_owned(), node: format!("report: {place}"), time: 0.0 }),
+        Some(place) => {
+            Err(ExportError::NotFinite { clip: name.to_owned(), node: format!("report: {place}"), time: 0.0 })
+        }
         None => Ok(value),
     }
 }
@@ -46,8 +49,12 @@ fn round(value: &mut Value, key: &str) {
 fn not_a_number(value: &Value, place: &str) -> Option<String> {
     match value {
         Value::Null => Some(place.to_owned()),
-        Value::Array(items) => items.iter().enumerate().find_map(|(index, item)| not_a_number(item, &format!("{place}[{index}]"))),
-        Value::Object(fields) => fields.iter().find_map(|(name, field)| not_a_number(field, &format!("{place}.{name}"))),
+        Value::Array(items) => {
+            items.iter().enumerate().find_map(|(index, item)| not_a_number(item, &format!("{place}[{index}]")))
+        }
+        Value::Object(fields) => {
+            fields.iter().find_map(|(name, field)| not_a_number(field, &format!("{place}.{name}")))
+        }
         _ => None,
     }
 }

@@ -28,11 +28,17 @@ pub fn glb(rig: &Rig, clips: &[(Clip, ClipReport)]) -> Result<ExportedGlb, Expor
     for (clip, _) in clips {
         check(rig, clip)?;
     }
-    let mut root = rig.document.json.as_object().cloned().ok_or_else(|| ExportError::Document { reason: "it is no JSON object".into() })?;
+    let mut root = rig
+        .document
+        .json
+        .as_object()
+        .cloned()
+        .ok_or_else(|| ExportError::Document { reason: "it is no JSON object".into() })?;
     let mut buffer = Joined::new(&rig.document, &mut root)?;
     buffer.embed_images(&rig.document, &mut root);
     let changes = matrices_to_trs(rig, clips, &mut root);
-    let targets: BTreeSet<Target> = clips.iter().flat_map(|(clip, _)| &clip.channels).map(|channel| channel.target).collect();
+    let targets: BTreeSet<Target> =
+        clips.iter().flat_map(|(clip, _)| &clip.channels).map(|channel| channel.target).collect();
     let helpers = add_nodes(rig, &targets, &mut root);
     let mut writer = Writer { buffer, view: 0, start: 0, accessors: Vec::new(), seen: BTreeMap::new() };
     writer.view = list(&mut root, "bufferViews").len();
@@ -153,7 +159,8 @@ fn check(rig: &Rig, clip: &Clip) -> Result<(), ExportError> {
     for channel in &clip.channels {
         let rotates = matches!(channel.values, KeyValues::Rotation(_));
         let node = describe(rig, channel, rotates);
-        let fault = |reason: &str| ExportError::Keys { clip: clip.name.clone(), node: node.clone(), reason: reason.to_owned() };
+        let fault =
+            |reason: &str| ExportError::Keys { clip: clip.name.clone(), node: node.clone(), reason: reason.to_owned() };
         let values: Vec<&[f32]> = match &channel.values {
             KeyValues::Translation(keys) => keys.iter().map(<[f32; 3]>::as_slice).collect(),
             KeyValues::Rotation(keys) => keys.iter().map(<[f32; 4]>::as_slice).collect(),
@@ -214,7 +221,9 @@ fn matrices_to_trs(rig: &Rig, clips: &[(Clip, ClipReport)], root: &mut Map<Strin
         fields.insert("rotation".into(), json!(local.rotation.normalize().to_array()));
         fields.insert("scale".into(), json!(local.scale.to_array()));
         let name = rig.nodes[node].name.as_deref().unwrap_or("unnamed");
-        changes.push(format!("node {node} ({name}): its matrix became translation, rotation and scale, so that it can move"));
+        changes.push(format!(
+            "node {node} ({name}): its matrix became translation, rotation and scale, so that it can move"
+        ));
     }
     changes
 }
@@ -235,7 +244,8 @@ fn add_nodes(rig: &Rig, targets: &BTreeSet<Target>, root: &mut Map<String, Value
         list(root, "scenes").push(json!({ "nodes": roots }));
         root.insert("scene".into(), 0.into());
     }
-    let helpers: Vec<usize> = added.iter().filter(|(target, _)| **target != Target::NewRoot).map(|(_, node)| *node).collect();
+    let helpers: Vec<usize> =
+        added.iter().filter(|(target, _)| **target != Target::NewRoot).map(|(_, node)| *node).collect();
     let top = rig.scene_root(rig.hips_node());
     for target in added.keys() {
         let node = match target {
@@ -252,7 +262,8 @@ fn add_nodes(rig: &Rig, targets: &BTreeSet<Target>, root: &mut Map<String, Value
         let moved = rig.new_root_children();
         for scene in list(root, "scenes") {
             let Some(nodes) = scene.get_mut("nodes").and_then(Value::as_array_mut) else { continue };
-            let is_moved = |node: &Value| node.as_u64().is_some_and(|node| moved.iter().any(|moved| *moved as u64 == node));
+            let is_moved =
+                |node: &Value| node.as_u64().is_some_and(|node| moved.iter().any(|moved| *moved as u64 == node));
             let Some(place) = nodes.iter().position(is_moved) else { continue };
             nodes.retain(|node| !is_moved(node));
             nodes.insert(place.min(nodes.len()), (*new_root).into());

@@ -128,6 +128,18 @@ impl Body {
         self.joints.iter().position(|joint| joint.role == role)
     }
 
+    /// The same body with another mass, every segment in proportion.
+    pub fn with_mass(&self, mass: f64) -> Body {
+        let factor = mass / self.mass;
+        let mut body = self.clone();
+        for segment in &mut body.segments {
+            segment.mass *= factor;
+            segment.inertia *= factor;
+        }
+        body.mass = mass;
+        body
+    }
+
     /// The rest offset of a joint from its parent's joint, m; its own rest position for the hips.
     pub fn offset(&self, joint: usize) -> DVec3 {
         match self.joints[joint].parent {

@@ -3,6 +3,18 @@
 //! Pure functions and plain state; no I/O, no allocation in a tick. Scenario space, SI units. Sources: Kenwright, "Watch
 //! Your Step" (2013); the capture point of Koolen (2012) and the extrapolated centre of mass of Hof (2005).
 
+mod control;
+mod foothold;
+pub mod params;
+pub mod state;
+pub mod support;
+mod swing;
+
+pub use control::tick;
+pub use params::{Params, Style, Trigger};
+pub use state::{Inputs, Intent, Passing, State, Swing, TickOutput};
+pub use support::{Support, SupportModel};
+
 use crate::model::Side;
 use glam::{DVec2, DVec3};
 

@@ -1,0 +1,308 @@
+//! Feet as exact functions of time: flat, heel off, swing, heel or ball strike, flat. Scenario space, metres, radians.
+//!
+//! A foot in contact turns about a point that does not move (ball: the toe joint; heel: the rearmost sole point), and in
+//! the air that same pivot flies from plant to plant: so nothing slides, and position and speed are continuous at lift.
+//! Pitch is positive with the heel up. Where a rig has no toes the foot turns about the tip of its sole. Flat ground.
+
+use super::contacts::FootContact;
+use crate::maths::curve::{bump, smooth3, smooth5};
+use crate::maths::quat::wrap_angle;
+use crate::model::{Body, Side, report::Part};
+use crate::stepper::{Physique, Plant, Step, StepKind};
+use crate::whole_body::solve::FootTarget;
+use glam::{DQuat, DVec3};
+
+/// Both feet over a whole run.
+#[derive(Clone, Debug)]
+pub struct FootCurves {
+    feet: [FootPath; 2],
+}
+
+/// One foot.
+#[derive(Clone, Debug)]
+struct FootPath {
+    start: Plant,
+    swings: Vec<Swing>,
+    level: DQuat,              // turn from rest that levels the sole, pointing along rest_yaw
+    toe_level: DQuat,          // the same for the toes
+    rest_yaw: f64,             // rad
+    pivot: DVec3,              // toe joint (or tip) from the ankle, levelled, foot pointing along +Z
+    heel: DVec3,               // rearmost sole point likewise
+    soles: Vec<(DVec3, bool)>, // levelled sole vertices from the ankle, and whether they move with the toes
+    ankle_height: f64,         // m
+    has_toe: bool,
+}
+
+/// A step with its roll. Times in s.
+#[derive(Clone, Copy, Debug)]
+struct Swing {
+    lift: f64,
+    land: f64,
+    heel_off: f64, // how long before `lift` the heel comes up
+    settle: f64,   // how long after `land` the foot is flat
+    peak_after: f64,
+    peak: f64,   // rad, largest pitch, a little after lift
+    strike: f64, // rad, pitch at landing: below 0 heel first, over 0 ball first
+    clearance: f64,
+    aside: DVec3, // horizontal detour at mid-swing, m
+    from: Plant,
+    to: Plant,
+}
+
+impl FootCurves {
+    /// From the steps that were taken. `scale`: times relative to the reference body.
+    pub fn new(body: &Body, physique: &Physique, start: &[Plant; 2], steps: &[Step], scale: f64) -> FootCurves {
+        let feet = Side::BOTH.map(|side| FootPath::new(body, physique, side, start, steps, scale));
+        FootCurves { feet }
+    }
+
+    /// Where a foot is.
+    pub fn at(&self, side: Side, time: f64) -> FootTarget {
+        self.feet[side as usize].at(time)
+    }
+
+    /// How free a foot is to leave its curve: 0 planted, 1 in mid-swing.
+    pub fn freedom(&self, side: Side, time: f64) -> f64 {
+        let path = &self.feet[side as usize];
+        path.swings
+            .iter()
+            .find(|swing| time > swing.lift && time < swing.land)
+            .map_or(0.0, |swing| bump((time - swing.lift) / (swing.land - swing.lift)).sqrt())
+    }
+
+    /// All contacts up to `end`, in order of start, left before right.
+    pub fn contacts(&self, end: f64) -> Vec<FootContact> {
+        let mut contacts = Vec::new();
+        for side in Side::BOTH {
+            self.feet[side as usize].contacts(side, end, &mut contacts);
+        }
+        contacts.sort_by(|a, b| a.start.total_cmp(&b.start).then(a.side.cmp(&b.side)));
+        contacts
+    }
+}
+
+impl FootPath {
+    fn new(body: &Body, physique: &Physique, side: Side, start: &[Plant; 2], steps: &[Step], scale: f64) -> FootPath {
+        let shape = &body.feet[side as usize];
+        let rest_yaw = shape.forward.x.atan2(shape.forward.y);
+        let levelled = |offset: DVec3| DQuat::from_rotation_y(-rest_yaw) * (shape.level * offset);
+        let rearmost = shape
+            .rear_sole
+            .iter()
+            .map(|vertex| levelled(*vertex))
+            .min_by(|a, b| a.z.total_cmp(&b.z))
+            .unwrap_or(DVec3::new(0.0, -shape.ankle_height, shape.heel));
+        let pivot = match shape.toe {
+            Some(toe) => levelled(body.joints[toe].rest - body.joints[shape.ankle].rest),
+            None => DVec3::new(0.0, -shape.ankle_height, shape.tip),
+        };
+        let mut soles: Vec<(DVec3, bool)> = shape.rear_sole.iter().map(|vertex| (levelled(*vertex), false)).collect();
+        let yaw_away = DQuat::from_rotation_y(-rest_yaw);
+        soles.extend(shape.front_sole.iter().map(|vertex| match shape.toe {
+            Some(toe) => {
+                let joint = body.joints[toe].rest - body.joints[shape.ankle].rest;
+                (levelled(joint) + yaw_away * (shape.toe_level * (*vertex - joint)), true)
+            }
+            None => (levelled(*vertex), false),
+        }));
+        let mut path = FootPath {
+            start: start[side as usize],
+            swings: Vec::new(),
+            level: shape.level,
+            toe_level: shape.toe_level,
+            rest_yaw,
+            pivot,
+            heel: rearmost,
+            soles,
+            ankle_height: shape.ankle_height,
+            has_toe: shape.toe.is_some(),
+        };
+        let own: Vec<&Step> = steps.iter().filter(|step| step.side == side).collect();
+        for (index, step) in own.iter().enumerate() {
+            let before = index.checked_sub(1).map_or(0.0, |previous| own[previous].land);
+            let after = own.get(index + 1).map_or(f64::INFINITY, |next| next.lift);
+            let other = plant_at(start, steps, side.other(), 0.5 * (step.lift + step.land));
+            path.swings.push(Swing::new(step, before, after, &other, physique, scale));
+        }
+        path
+    }
+
+    fn pose(&self, ankle: DVec3, yaw: f64, pitch: f64, toe_pitch: f64) -> FootTarget {
+        let turn = |pitch: f64| {
+            DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch) * DQuat::from_rotation_y(-self.rest_yaw)
+        };
+        FootTarget { ankle, foot: turn(pitch) * self.level, toe: turn(toe_pitch) * self.toe_level, yaw, soft: 0.0 }
+    }
+
+    /// An offset of the levelled foot, turned.
+    fn offset(offset: DVec3, yaw: f64, pitch: f64) -> DVec3 {
+        DQuat::from_rotation_y(yaw) * (DQuat::from_rotation_x(pitch) * offset)
+    }
+
+    fn flat_ankle(&self, plant: &Plant) -> DVec3 {
+        plant.ankle + DVec3::Y * self.ankle_height
+    }
+
+    fn at(&self, time: f64) -> FootTarget {
+        let Some(swing) = self.swings.iter().rev().find(|swing| time > swing.lift - swing.heel_off) else {
+            return self.pose(self.flat_ankle(&self.start), self.start.yaw, 0.0, 0.0);
+        };
+        let pitch = swing.pitch(time);
+        if time >= swing.land + swing.settle {
+            return self.pose(self.flat_ankle(&swing.to), swing.to.yaw, 0.0, 0.0);
+        }
+        if time <= swing.lift {
+            let held = self.flat_ankle(&swing.from) + Self::offset(self.pivot, swing.from.yaw, 0.0);
+            let ankle = held - Self::offset(self.pivot, swing.from.yaw, pitch);
+            return self.pose(ankle, swing.from.yaw, pitch, 0.0);
+        }
+        let landed = self.flat_ankle(&swing.to);
+        if time >= swing.land {
+            let (point, toe_pitch) = if swing.strike < 0.0 { (self.heel, pitch) } else { (self.pivot, 0.0) };
+            let held = landed + Self::offset(point, swing.to.yaw, 0.0);
+            return self.pose(held - Self::offset(point, swing.to.yaw, pitch), swing.to.yaw, pitch, toe_pitch);
+        }
+        self.flight(swing, time, pitch)
+    }
+
+    fn flight(&self, swing: &Swing, time: f64, pitch: f64) -> FootTarget {
+        let u = (time - swing.lift) / (swing.land - swing.lift);
+        let go = smooth5(u);
+        let yaw = swing.from.yaw + wrap_angle(swing.to.yaw - swing.from.yaw) * go;
+        let first = self.flat_ankle(&swing.from) + Self::offset(self.pivot, swing.from.yaw, 0.0);
+        let landed = self.flat_ankle(&swing.to);
+        let last = if swing.strike < 0.0 {
+            landed
+                + Self::offset(self.heel, swing.to.yaw, 0.0)
+                + Self::offset(self.pivot - self.heel, swing.to.yaw, swing.strike)
+        } else {
+            landed + Self::offset(self.pivot, swing.to.yaw, 0.0)
+        };
+        let mut pivot = first + (last - first) * go + swing.aside * bump(u);
+        pivot.y += swing.clearance * bump(u.powf(0.85));
+        // The toes straighten over most of the swing, and are flat again for a strike with the ball.
+        let mut straight = smooth3(u / 0.85);
+        if swing.strike >= 0.0 {
+            straight *= 1.0 - smooth3((u - 0.5) / 0.5);
+        }
+        let toe_pitch = if self.has_toe { pitch * straight } else { pitch };
+        let ankle = pivot - Self::offset(self.pivot, yaw, pitch);
+        let mut target = self.pose(ankle, yaw, pitch, toe_pitch);
+        // No part of the sole goes under the ground on the way.
+        let lowest = self
+            .soles
+            .iter()
+            .map(|(vertex, with_toe)| {
+                if *with_toe {
+                    pivot.y + Self::offset(*vertex - self.pivot, yaw, toe_pitch).y
+                } else {
+                    ankle.y + Self::offset(*vertex, yaw, pitch).y
+                }
+            })
+            .fold(f64::INFINITY, f64::min);
+        target.ankle.y += (-lowest).max(0.0);
+        target.soft = bump(u).sqrt();
+        target
+    }
+
+    fn contacts(&self, side: Side, end: f64, contacts: &mut Vec<FootContact>) {
+        let mut push = |part, start: f64, stop: f64, plant: Plant| {
+            let stop = stop.min(end);
+            if stop - start > 1e-6 {
+                contacts.push(FootContact { side, part, start, end: stop, plant });
+            }
+        };
+        let mut flat_from = 0.0;
+        let mut plant = self.start;
+        for swing in &self.swings {
+            push(Part::Flat, flat_from, swing.lift - swing.heel_off, plant);
+            push(Part::Ball, swing.lift - swing.heel_off, swing.lift, plant);
+            plant = swing.to;
+            let part = if swing.strike < 0.0 { Part::Heel } else { Part::Ball };
+            flat_from = if swing.strike == 0.0 { swing.land } else { swing.land + swing.settle };
+            push(part, swing.land, flat_from, plant);
+        }
+        push(Part::Flat, flat_from, end, plant);
+    }
+}
+
+impl Swing {
+    /// Chooses the roll of a step: `before` is the foot's last landing, `after` its next lift, `other` the stance foot.
+    fn new(step: &Step, before: f64, after: f64, other: &Plant, physique: &Physique, scale: f64) -> Swing {
+        let travel = step.to.ankle - step.from.ankle;
+        let yaw = 0.5 * (step.from.yaw + step.to.yaw);
+        let leg = physique.leg_length;
+        let forward = (travel.x * yaw.sin() + travel.z * yaw.cos()) / leg;
+        let distance = travel.length() / leg;
+        let calm = step.kind == StepKind::Comfort;
+        let duration = step.land - step.lift;
+        let stand = (step.lift - before).max(0.0);
+        // Forwards the foot rolls off its toes; sideways and back it is picked up.
+        let peak =
+            if calm { 14.0 } else { 12.0 + 40.0 * forward.clamp(0.0, 0.8) + 8.0 * (distance - forward.abs()).max(0.0) };
+        let heel_off = ((if calm { 0.13 } else { 0.07 + 0.08 * forward.clamp(0.0, 1.0) }) * scale).min(0.4 * stand);
+        let settle = (0.065 * scale).min(0.35 * (after - step.land).max(0.0));
+        let strike = if forward > 0.12 {
+            -(30.0 * (forward - 0.05)).min(18.0)
+        } else if forward < -0.10 {
+            (40.0 * (-forward - 0.05)).min(12.0)
+        } else {
+            0.0
+        };
+        Swing {
+            lift: step.lift,
+            land: step.land,
+            heel_off,
+            settle,
+            peak_after: (0.035 * scale).min(0.25 * duration),
+            peak: peak.to_radians(),
+            strike: strike.to_radians(),
+            clearance: leg * (0.045 + 0.05 * distance.min(1.0)),
+            aside: detour(step, other, physique),
+            from: step.from,
+            to: step.to,
+        }
+    }
+
+    fn pitch(&self, time: f64) -> f64 {
+        let (start, top) = (self.lift - self.heel_off, self.lift + self.peak_after);
+        if time <= start {
+            0.0
+        } else if time <= top {
+            self.peak * smooth5((time - start) / (top - start))
+        } else if time <= self.land {
+            self.peak + (self.strike - self.peak) * smooth5((time - top) / (self.land - top))
+        } else {
+            self.strike * (1.0 - smooth3((time - self.land) / self.settle.max(1e-9)))
+        }
+    }
+}
+
+/// How far the path bends away from a stance foot that stands near it: at least 0.14 leg lengths of gap, m.
+fn detour(step: &Step, other: &Plant, physique: &Physique) -> DVec3 {
+    let (from, to) = (step.from.ankle, step.to.ankle);
+    let path = DVec3::new(to.x - from.x, 0.0, to.z - from.z);
+    let length = path.length();
+    if length < 1e-6 {
+        return DVec3::ZERO;
+    }
+    let along = path / length;
+    let across = DVec3::new(along.z, 0.0, -along.x);
+    let rel = other.ankle - from;
+    let u = rel.dot(along) / length;
+    if !(0.1..=0.9).contains(&u) {
+        return DVec3::ZERO;
+    }
+    let gap = -rel.dot(across); // where the path lies from the stance foot, along `across`
+    let least = 0.17 * physique.leg_length;
+    // Keep to the side of the stance foot where the swing foot belongs.
+    let own = step.side.sign() * across.dot(DVec3::new(other.yaw.cos(), 0.0, -other.yaw.sin())).signum();
+    let sign = if gap.abs() > 0.02 * physique.leg_length { gap.signum() } else { own };
+    let missing = least - gap * sign;
+    if missing > 0.0 { across * (sign * missing / bump(u).max(0.3)) } else { DVec3::ZERO }
+}
+
+/// Where a foot stands (or will land) at a time.
+fn plant_at(start: &[Plant; 2], steps: &[Step], side: Side, time: f64) -> Plant {
+    steps.iter().rev().find(|step| step.side == side && step.lift <= time).map_or(start[side as usize], |step| step.to)
+}

@@ -1,0 +1,175 @@
+//! A scenario on a body, without a rig: the run, its feet and upper body, and the passes that make it one motion.
+//!
+//! stepper run -> foot curves and upper-body springs -> poses -> reach envelope and balance filter, a few times over.
+//! Scenario space, SI. What comes out is a [`Timeline`] that gives the pose at any time; keys are made elsewhere.
+
+use super::contacts::{self, FootContact};
+use super::timeline::Timeline;
+use super::{BakeError, balance, feet, reach};
+use crate::maths::seed::Seed;
+use crate::measure::{KnownPush, PushPoint};
+use crate::model::scenario::{Character, Scenario};
+use crate::model::{Body, Role};
+use crate::sim::session::{SessionPush, SimulateOptions, simulate_pushes};
+use crate::sim::{TickState, Trace};
+use crate::stepper::{Physique, Style};
+use crate::whole_body::reaction::{Personality, Reaction, Senses, UpperAngles};
+use crate::whole_body::{Anatomy, Solver, stand};
+use glam::DVec3;
+
+/// Passes of reach envelope and balance filter: the changes of a sixth are under a millimetre.
+const PASSES: usize = 5;
+
+/// A performed scenario.
+#[derive(Clone, Debug)]
+pub struct Performance {
+    /// The pose at any time.
+    pub timeline: Timeline,
+    /// The run behind it.
+    pub trace: Trace,
+    /// Foot contacts.
+    pub contacts: Vec<FootContact>,
+    /// The pushes as they act.
+    pub pushes: Vec<KnownPush>,
+    /// The stand that the stepper knew.
+    pub physique: Physique,
+    /// m, the farthest that the ZMP was out of the support before each pass of the filter.
+    pub zmp_before_pass: Vec<f64>,
+}
+
+/// Runs the scenario on a body.
+pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performance, BakeError> {
+    let anatomy = Anatomy::new(body);
+    let physique = stand::physique(body, &anatomy);
+    let pushes = known_pushes(body, scenario);
+    let trace = run(body, &anatomy, &physique, scenario, &pushes);
+    check(&trace)?;
+    let scale = (physique.com_height / 0.96).sqrt();
+    let count = ((scenario.duration / trace.dt).round() as usize + 1).min(trace.ticks.len());
+    let ticks = &trace.ticks[..count];
+    let mut timeline = Timeline {
+        body: body.clone(),
+        anatomy,
+        dt: trace.dt,
+        com: ticks.iter().map(|tick| tick.com).collect(),
+        shift: vec![DVec3::ZERO; count],
+        lowering: vec![0.0; count],
+        upper: upper_body(ticks, trace.dt, &physique, seed, scenario.character.style.arms),
+        feet: feet::FootCurves::new(body, &physique, &trace.start, &trace.steps, scale),
+    };
+    let contacts = timeline.feet.contacts(timeline.duration());
+    let held = contacts::held(&contacts);
+    let mut zmp_before_pass = Vec::new();
+    for pass in 0..PASSES {
+        let solved = timeline.solve_all();
+        reach::lower_into_reach(&mut timeline, &solved, scale);
+        if pass > 0 {
+            let poses: Vec<_> = solved.into_iter().map(|solved| solved.pose).collect();
+            zmp_before_pass.push(balance::pass(&mut timeline, &poses, &held, &pushes));
+        }
+    }
+    let solved = timeline.solve_all();
+    reach::lower_into_reach(&mut timeline, &solved, scale);
+    Ok(Performance { timeline, trace, contacts, pushes, physique, zmp_before_pass })
+}
+
+/// The scenario's pushes and pulls as forces on joints of the body, in order of start.
+fn known_pushes(body: &Body, scenario: &Scenario) -> Vec<KnownPush> {
+    let mut pushes: Vec<KnownPush> = scenario
+        .push
+        .iter()
+        .chain(&scenario.pull)
+        .map(|push| KnownPush {
+            start: push.start,
+            end: push.end().min(scenario.duration),
+            force: push.toward.unit(0.0) * push.force,
+            at: PushPoint::Joint(nearest_joint(body, push.at)),
+        })
+        .collect();
+    pushes.sort_by(|a, b| a.start.total_cmp(&b.start));
+    pushes
+}
+
+/// The joint of that role, or of the nearest role up the body that it has.
+pub fn nearest_joint(body: &Body, role: Role) -> usize {
+    let mut role = Some(role);
+    while let Some(wanted) = role {
+        if let Some(joint) = body.joint(wanted) {
+            return joint;
+        }
+        role = wanted.parent();
+    }
+    0
+}
+
+fn run(body: &Body, anatomy: &Anatomy, physique: &Physique, scenario: &Scenario, pushes: &[KnownPush]) -> Trace {
+    let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
+    let com = DVec3::Y * physique.com_height;
+    let standing = Solver::new(body, anatomy).solve(&stand::stand_target(body, &plants, com, 0.0));
+    let positions = standing.pose.positions(body);
+    let pushes: Vec<SessionPush> = pushes
+        .iter()
+        .map(|push| SessionPush {
+            start: push.start,
+            duration: push.end - push.start,
+            force: push.force,
+            arm: match push.at {
+                PushPoint::Joint(joint) => positions[joint].y - physique.com_height,
+                _ => 0.0,
+            },
+        })
+        .collect();
+    let options = SimulateOptions {
+        duration: scenario.duration,
+        style: style(&scenario.character),
+        ..SimulateOptions::default()
+    };
+    simulate_pushes(physique, &pushes, &options)
+}
+
+fn check(trace: &Trace) -> Result<(), BakeError> {
+    for (index, tick) in trace.ticks.iter().enumerate() {
+        let time = index as f64 * trace.dt;
+        if !tick.com.is_finite() {
+            return Err(BakeError::BrokeDown { time, what: "the centre of mass" });
+        }
+        if !tick.feet.iter().all(|foot| foot.ankle.is_finite()) {
+            return Err(BakeError::BrokeDown { time, what: "a foot" });
+        }
+    }
+    Ok(())
+}
+
+fn upper_body(ticks: &[TickState], dt: f64, physique: &Physique, seed: u64, arms_dial: f64) -> Vec<UpperAngles> {
+    let mut draw = Seed::new(seed);
+    let mut one = || draw.between(-1.0, 1.0);
+    let personality = Personality {
+        arms_gain: one(),
+        far_arm: one(),
+        arms_delay: one(),
+        trunk_gain: one(),
+        head_gain: one(),
+        elbow: one(),
+    };
+    let mut reaction = Reaction::new(physique, personality, arms_dial);
+    let senses = |tick: &TickState| Senses {
+        acceleration: tick.acceleration,
+        push: tick.push,
+        xi: tick.xi,
+        feet: tick.feet,
+        planted: tick.planted,
+        facing: tick.facing,
+    };
+    ticks.iter().map(|tick| reaction.tick(&senses(tick), dt)).collect()
+}
+
+/// The stepper's dials from the scenario's.
+fn style(character: &Character) -> Style {
+    Style {
+        agility: character.agility,
+        step_height: character.style.step_height,
+        stance_width: character.style.stance_width,
+        readiness: character.style.readiness,
+        ..Style::default()
+    }
+}

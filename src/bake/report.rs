@@ -1,0 +1,179 @@
+//! What a clip says about itself: the clip read back as a reader would, measured, and told in document space.
+//!
+//! Nothing is taken from the simulation that can be measured on the keys. Travel that `in-place` took out of the clip is
+//! not read back: there the poses that were keyed are measured instead, and a note says so.
+
+use super::contacts::{self, FootContact};
+use super::perform::Performance;
+use super::root_motion::RootMotion;
+use crate::measure::{Findings, KnownPush, Motion, PushPoint, measure};
+use crate::model::report::{Assist, BodyReport, Contact, Disturbance, Event, Outcome, Plausibility};
+use crate::model::scenario::Scenario;
+use crate::model::{BodyPose, Clip, ClipReport, Side};
+use crate::rig::Rig;
+use glam::DVec3;
+
+/// Samples a frame (DESIGN, "Measures").
+const PER_FRAME: usize = 4;
+
+/// What the report is made from.
+pub struct ReportInput<'a> {
+    /// The rig that was baked on.
+    pub rig: &'a Rig,
+    /// The keys.
+    pub clip: &'a Clip,
+    /// The motion that they came from.
+    pub performance: &'a Performance,
+    /// What was asked.
+    pub scenario: &'a Scenario,
+    /// The seed that was used.
+    pub seed: u64,
+    /// Where the travel went.
+    pub root: RootMotion,
+}
+
+/// The report, everything measured, and warnings for a person.
+pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>) {
+    let performance = input.performance;
+    let body = &performance.timeline.body;
+    let poses = read_back(input);
+    let hz = input.clip.fps * PER_FRAME as f64;
+    let motion = Motion { body, hz, per_frame: PER_FRAME, poses: &poses };
+    let held = contacts::held(&performance.contacts);
+    let findings = measure(motion, &held, &performance.pushes, input.scenario.ground.friction);
+    let mut plausibility = findings.as_ref().map_or_else(Plausibility::default, Findings::plausibility);
+    if input.root == RootMotion::InPlace {
+        plausibility.notes.push("measured with the travel that in-place leaves out".into());
+    }
+    let duration = input.clip.duration;
+    let steps = performance.trace.steps.iter().filter(|step| step.land <= duration).count() as u32;
+    let outcome = outcome(performance, findings.as_ref(), steps, duration);
+    let slips: Vec<f64> =
+        findings.as_ref().map(|f| f.feet.slips.iter().map(|slip| slip.mm).collect()).unwrap_or_default();
+    let report = ClipReport {
+        version: 1,
+        generator: concat!("surefoot ", env!("CARGO_PKG_VERSION")).into(),
+        fps: input.clip.fps,
+        duration,
+        seed: input.seed,
+        root_motion: input.root.name().into(),
+        drive: "stepper".into(),
+        scenario: input.scenario.title.clone(),
+        outcome,
+        steps,
+        body: BodyReport { mass: body.mass, height: body.height },
+        contacts: performance
+            .contacts
+            .iter()
+            .enumerate()
+            .map(|(index, contact)| told(input.rig, contact, slips.get(index).copied().unwrap_or(0.0)))
+            .collect(),
+        events: events(performance, duration),
+        disturbances: disturbances(input),
+        assist: Assist::default(),
+        plausibility,
+    };
+    let warnings = warnings(input, outcome);
+    (report, findings, warnings)
+}
+
+/// Poses at `PER_FRAME` times the clip's rate, from the keys.
+fn read_back(input: &ReportInput) -> Vec<BodyPose> {
+    let hz = input.clip.fps * PER_FRAME as f64;
+    let count = (input.clip.duration * hz + 1e-6).floor() as usize + 1;
+    let times = (0..count).map(|sample| sample as f64 / hz);
+    if input.root == RootMotion::InPlace {
+        return times.map(|time| input.performance.timeline.pose_at(time)).collect();
+    }
+    let mut sampler = input.rig.sampler(input.clip);
+    times.map(|time| sampler.sample(time).pose()).collect()
+}
+
+fn outcome(performance: &Performance, findings: Option<&Findings>, steps: u32, duration: f64) -> Outcome {
+    if performance.trace.lost.is_some_and(|lost| lost <= duration + 1e-9) {
+        return Outcome::Fall;
+    }
+    findings.map_or(Outcome::Still, |findings| findings.balance.outcome(steps))
+}
+
+fn told(rig: &Rig, contact: &FootContact, slip_mm: f64) -> Contact {
+    let similarity = &rig.document_from_scenario;
+    Contact {
+        foot: contact.side,
+        part: contact.part,
+        start: contact.start,
+        end: contact.end,
+        frame: "world".into(),
+        position: similarity.point(contact.plant.ankle).to_array(),
+        normal: (similarity.rotation * DVec3::Y).to_array(),
+        slip_mm,
+    }
+}
+
+fn events(performance: &Performance, duration: f64) -> Vec<Event> {
+    let mut events = Vec::new();
+    let mut event = |time: f64, name: &str, foot: Option<Side>| {
+        if time <= duration {
+            events.push(Event { time, name: name.into(), foot });
+        }
+    };
+    for push in &performance.pushes {
+        event(push.start, "push_start", None);
+        event(push.end, "push_end", None);
+    }
+    for step in &performance.trace.steps {
+        event(step.lift, "foot_up", Some(step.side));
+        event(step.land, "foot_down", Some(step.side));
+    }
+    if let Some(lost) = performance.trace.lost {
+        event(lost, "balance_lost", None);
+    }
+    events.sort_by(|a, b| a.time.total_cmp(&b.time));
+    events
+}
+
+fn disturbances(input: &ReportInput) -> Vec<Disturbance> {
+    let body = &input.performance.timeline.body;
+    let rotation = input.rig.document_from_scenario.rotation;
+    let one = |push: &KnownPush, kind: &str| Disturbance {
+        kind: kind.into(),
+        start: push.start,
+        end: push.end,
+        force: (rotation * push.force).to_array(),
+        bone: match push.at {
+            PushPoint::Joint(joint) => body.joints[joint].role.name().into(),
+            _ => "hips".into(),
+        },
+    };
+    let pulls = &input.scenario.pull;
+    input
+        .performance
+        .pushes
+        .iter()
+        .map(|push| {
+            let pulled = pulls
+                .iter()
+                .any(|pull| (pull.start - push.start).abs() < 1e-9 && (pull.force - push.force.length()).abs() < 1e-6);
+            one(push, if pulled { "pull" } else { "push" })
+        })
+        .collect()
+}
+
+fn warnings(input: &ReportInput, outcome: Outcome) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let trace = &input.performance.trace;
+    if outcome == Outcome::Fall {
+        let lost = trace.lost.unwrap_or(input.clip.duration);
+        warnings.push(format!(
+            "balance is lost at {lost:.2} s and the clip ends there: falls need the articulated body, which this version lacks. A weaker push or a higher agility stays up"
+        ));
+    } else if trace.ticks.len() > input.performance.timeline.com.len() {
+        let needed = (trace.ticks.len() - 1) as f64 * trace.dt;
+        warnings.push(format!(
+            "the character is not at rest when the clip ends at {:.2} s: give the scenario duration = {:.1}",
+            input.clip.duration,
+            (needed * 10.0).ceil() / 10.0
+        ));
+    }
+    warnings
+}

@@ -1,0 +1,78 @@
+//! A run as functions of time: centre of mass, upper body and feet, joined into a pose at any moment.
+//!
+//! Series stand on the session's ticks (10 ms) and are read between them by cubics; feet are exact. Scenario space, SI.
+//! The passes of `reach` and `balance` change `shift` and `lowering` only: what the stepper said stays beside them.
+
+use super::feet::FootCurves;
+use crate::maths::curve::sample;
+use crate::model::{Body, BodyPose, Side};
+use crate::whole_body::reaction::{UPPER, UpperAngles, upper_turns};
+use crate::whole_body::solve::Solved;
+use crate::whole_body::{Anatomy, PoseTarget, Solver};
+use glam::DVec3;
+
+/// Everything that a pose is made of, over the run.
+#[derive(Clone, Debug)]
+pub struct Timeline {
+    /// Who moves.
+    pub body: Body,
+    /// Its chains.
+    pub anatomy: Anatomy,
+    /// s between entries of the series.
+    pub dt: f64,
+    /// m, centre of mass as the stepper has it.
+    pub com: Vec<DVec3>,
+    /// m, what the balance filter adds to it.
+    pub shift: Vec<DVec3>,
+    /// m, by how much the reach envelope lowers it.
+    pub lowering: Vec<f64>,
+    /// Upper body and pelvis.
+    pub upper: Vec<UpperAngles>,
+    /// Both feet.
+    pub feet: FootCurves,
+}
+
+impl Timeline {
+    /// s, the time of the last entry.
+    pub fn duration(&self) -> f64 {
+        (self.com.len() - 1) as f64 * self.dt
+    }
+
+    /// The target at one entry.
+    pub fn target(&self, index: usize) -> PoseTarget {
+        let com = self.com[index] + self.shift[index] - DVec3::Y * self.lowering[index];
+        self.assemble(com, &self.upper[index], index as f64 * self.dt)
+    }
+
+    /// The target at any time.
+    pub fn target_at(&self, time: f64) -> PoseTarget {
+        let com = sample(&self.com, self.dt, time) + sample(&self.shift, self.dt, time)
+            - DVec3::Y * sample(&self.lowering, self.dt, time);
+        let mut upper = [0.0; UPPER];
+        let last = self.upper.len() - 1;
+        let place = (time / self.dt).clamp(0.0, last as f64);
+        let first = (place.floor() as usize).saturating_sub(1);
+        let window: Vec<UpperAngles> = (first..(first + 4)).map(|index| self.upper[index.min(last)]).collect();
+        for (entry, value) in upper.iter_mut().enumerate() {
+            let series = [window[0][entry], window[1][entry], window[2][entry], window[3][entry]];
+            *value = sample(&series, 1.0, place - first as f64);
+        }
+        self.assemble(com, &upper, time)
+    }
+
+    /// Poses at every entry, and what each solve reports.
+    pub fn solve_all(&self) -> Vec<Solved> {
+        let mut solver = Solver::new(&self.body, &self.anatomy);
+        (0..self.com.len()).map(|index| solver.solve(&self.target(index))).collect()
+    }
+
+    /// The pose at any time.
+    pub fn pose_at(&self, time: f64) -> BodyPose {
+        Solver::new(&self.body, &self.anatomy).solve(&self.target_at(time)).pose
+    }
+
+    fn assemble(&self, com: DVec3, upper: &UpperAngles, time: f64) -> PoseTarget {
+        let (pelvis, chest, head, arms) = upper_turns(upper);
+        PoseTarget { com, pelvis, chest, head, arms, feet: Side::BOTH.map(|side| self.feet.at(side, time)) }
+    }
+}

@@ -1,0 +1,152 @@
+//! The fixed-step session: the stepper under pushes, tick by tick, and the trace of a whole run. Scenario space, SI units.
+//!
+//! A studio keeps a [`Session`] and pushes a live character; a bake calls [`simulate_pushes`] and gets the trace.
+
+use super::{TickState, Trace};
+use crate::stepper::{self, Inputs, Params, Physique, State, Style, TickOutput, ground};
+use glam::{DVec2, DVec3};
+
+/// s, the length of a tick.
+pub const TICK: f64 = 0.01;
+
+/// A force that acts for a while.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SessionPush {
+    /// s.
+    pub start: f64,
+    /// s.
+    pub duration: f64,
+    /// N.
+    pub force: DVec3,
+    /// m, its point of attack over the centre of mass.
+    pub arm: f64,
+}
+
+/// How to run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SimulateOptions {
+    /// s; it goes on to the next tick.
+    pub duration: f64,
+    /// s, at most so much longer if the character is not at rest by then.
+    pub extra: f64,
+    /// The character's dials.
+    pub style: Style,
+    /// s, the length of a tick.
+    pub dt: f64,
+}
+
+impl Default for SimulateOptions {
+    fn default() -> SimulateOptions {
+        SimulateOptions { duration: 4.0, extra: 8.0, style: Style::default(), dt: TICK }
+    }
+}
+
+/// A live character.
+#[derive(Clone, Debug)]
+pub struct Session {
+    params: Params,
+    physique: Physique,
+    state: State,
+    dt: f64,
+    last: TickState,
+}
+
+impl Session {
+    /// At rest, the ankles' middle over the origin, facing +Z.
+    pub fn new(physique: &Physique, style: &Style, dt: f64) -> Session {
+        let params = Params::new(physique, style);
+        let state = State::standing(&params, physique, DVec2::ZERO, 0.0);
+        let mut session = Session { params, physique: *physique, state, dt, last: still(&state) };
+        session.last = session.record(&no_push());
+        session
+    }
+
+    /// One tick under those pushes (those that are acting by their times).
+    pub fn step(&mut self, pushes: &[SessionPush]) -> TickOutput {
+        let inputs = acting(pushes, self.state.time, self.dt);
+        let output = stepper::tick(&self.params, &self.physique, &mut self.state, &inputs, self.dt);
+        self.last = self.record(&inputs);
+        output
+    }
+
+    /// The controller's state.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Its tuning.
+    pub fn params(&self) -> &Params {
+        &self.params
+    }
+
+    /// The tick that ended now.
+    pub fn tick_state(&self) -> &TickState {
+        &self.last
+    }
+
+    fn record(&self, inputs: &Inputs) -> TickState {
+        TickState {
+            xi: self.state.xi(&self.params),
+            push: inputs.force,
+            push_moment: inputs.moment,
+            ..still(&self.state)
+        }
+    }
+}
+
+/// Runs to the end: the asked duration, and on until at rest (at most `extra` s); it stops where balance is lost.
+pub fn simulate_pushes(physique: &Physique, pushes: &[SessionPush], options: &SimulateOptions) -> Trace {
+    let mut session = Session::new(physique, &options.style, options.dt);
+    let start = session.state.feet;
+    let planned = (options.duration / options.dt).ceil().max(0.0) as usize;
+    let most = planned + (options.extra / options.dt).ceil().max(0.0) as usize;
+    let mut ticks = Vec::with_capacity(planned + 1);
+    let mut steps = Vec::new();
+    ticks.push(*session.tick_state());
+    let settle = 0.5;
+    while ticks.len() <= most {
+        if ticks.len() > planned && session.state.rest >= settle && session.state.intent.is_none() {
+            break;
+        }
+        let output = session.step(pushes);
+        ticks.push(*session.tick_state());
+        steps.extend(output.landed);
+        if output.lost {
+            break;
+        }
+    }
+    Trace { dt: options.dt, ticks, steps, start, lost: session.state.lost, rest: session.state.rest }
+}
+
+/// The sum of what acts during the tick from `time`: a push that covers part of it counts by that part.
+fn acting(pushes: &[SessionPush], time: f64, dt: f64) -> Inputs {
+    let mut inputs = no_push();
+    for push in pushes {
+        let from = push.start.max(time);
+        let to = (push.start + push.duration).min(time + dt);
+        let share = ((to - from) / dt).clamp(0.0, 1.0);
+        let share = if share < 1e-9 { 0.0 } else { share };
+        inputs.force += push.force * share;
+        inputs.moment += (DVec3::Y * push.arm).cross(push.force) * share;
+    }
+    inputs
+}
+
+fn no_push() -> Inputs {
+    Inputs { force: DVec3::ZERO, moment: DVec3::ZERO, facing: 0.0 }
+}
+
+fn still(state: &State) -> TickState {
+    TickState {
+        com: state.com,
+        velocity: state.velocity,
+        acceleration: state.acceleration,
+        xi: ground(state.com),
+        cop: state.cop,
+        push: DVec3::ZERO,
+        push_moment: DVec3::ZERO,
+        feet: state.feet,
+        planted: crate::model::Side::BOTH.map(|side| state.planted(side)),
+        facing: state.facing,
+    }
+}

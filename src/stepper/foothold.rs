@@ -1,0 +1,127 @@
+//! Where a foot must land: the paper's step length from the state predicted at touchdown, bent to what legs can do.
+//!
+//! Ground plane (x, z), metres, seconds.
+
+use super::{Params, Passing, Physique, Plant, State, Support, ground, support, support::Tread, swing};
+use crate::maths::pendulum;
+use crate::model::Side;
+use glam::{DVec2, DVec3};
+
+/// A planned landing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Foothold {
+    /// Where.
+    pub plant: Plant,
+    /// m, how far outside of both feet the fall goes on.
+    pub miss: f64,
+    /// m, by how much it lies off the place that would be best.
+    pub off: f64,
+    /// m/s, the centre of mass at touchdown.
+    pub speed: f64,
+    /// m, how far it is across on the other foot's side.
+    pub across: f64,
+}
+
+/// The landing of `side` after `time` s (of a swing of `swing_time` s) that stops the fall, or comes nearest.
+pub fn corrective(
+    params: &Params,
+    physique: &Physique,
+    state: &State,
+    side: Side,
+    passing: Passing,
+    (time, swing_time): (f64, f64),
+) -> Foothold {
+    let stance = &state.feet[side.other() as usize];
+    let from = match state.swing {
+        Some(swing) => ground(swing.from.ankle),
+        None => ground(state.feet[side as usize].ankle),
+    };
+    let sole = Support::one(params, physique, stance, Tread::Whole, params.margin);
+    let lean = steady_lean(params, physique, state);
+    let pivot = sole.nearest(state.xi(params) + lean) - lean;
+    let (com, velocity) =
+        pendulum::predict(ground(state.com), ground(state.velocity), pivot, params.omega, time.max(0.0));
+    let speed = velocity.length();
+    let direction = if speed > 1e-9 { velocity / speed } else { DVec2::ZERO };
+    let bias = params.leg_bias * (state.com.y - physique.com_height);
+    let distance = pendulum::step_distance(speed, 0.0, (physique.com_height + bias).max(0.1), 0.0);
+    let weight = physique.mass * pendulum::GRAVITY;
+    let capture = com + direction * distance + state.felt * (params.pull / weight);
+
+    let (ahead, out) = (support::forward(state.facing), support::left(state.facing) * side.sign());
+    let over = (speed / (0.5 * params.size / params.tempo)).min(1.0);
+    let outward = if passing == Passing::Own { params.outward } else { params.across };
+    let wanted = capture + direction * (params.overshoot * over) + out * outward - ahead * params.com_forward;
+
+    let hip = com - ahead * params.com_forward + out * (0.5 * params.width);
+    let step = params.ankle_speed * swing_time / swing::PEAK;
+    let foot = physique.tip - physique.heel;
+    let mut ankle = wanted;
+    for _ in 0..2 {
+        ankle = within(ankle, hip, params.reach);
+        ankle = within(ankle, from, step);
+        let relative = ankle - ground(stance.ankle);
+        let (beside, before) = (relative.dot(out), relative.dot(ahead));
+        let clear = clearance(params, foot, beside);
+        match passing {
+            Passing::Own => ankle += out * (params.gap - beside).max(0.0),
+            Passing::Front => ankle += ahead * (clear - before).max(0.0) * f64::from(clear > 0.0),
+            Passing::Behind => ankle -= ahead * (clear + before).max(0.0) * f64::from(clear > 0.0),
+        }
+    }
+    let plant = Plant { ankle: DVec3::new(ankle.x, 0.0, ankle.y), yaw: state.facing + side.sign() * physique.toe_out };
+    let across = (-(ankle - ground(stance.ankle)).dot(out)).max(0.0);
+    let stands = Support::two(params, physique, [stance, &plant], [Tread::Whole; 2], params.margin);
+    let xi = state.xi(params) + lean;
+    let fin = over_foot(params, physique, state, side, passing, &plant);
+    let pivot = sole.nearest(pendulum::pivot_for(xi, fin, params.omega, time.max(0.05 * params.tempo)));
+    let caught = pivot + (xi - pivot) * (params.omega * time.max(0.0)).exp();
+    let miss = stands.outside(caught).max(0.0);
+    Foothold { plant, miss, off: ankle.distance(wanted), speed, across }
+}
+
+/// The point that a corrective step to that plant means to have ξ at when it lands.
+pub fn over_foot(
+    params: &Params,
+    physique: &Physique,
+    state: &State,
+    side: Side,
+    passing: Passing,
+    plant: &Plant,
+) -> DVec2 {
+    let _ = physique;
+    let (ahead, out) = (support::forward(state.facing), support::left(state.facing) * side.sign());
+    let outward = if passing == Passing::Own { params.outward } else { params.across };
+    ground(plant.ankle) + ahead * params.com_forward - out * outward
+}
+
+/// How far ahead of (or behind) the stance foot a crossing foot must land, m: clear of the sole where the two are in
+/// line, of the leg where it is past it, not at all on its own side.
+fn clearance(params: &Params, foot: f64, beside: f64) -> f64 {
+    let near = beside / params.gap;
+    let ramp = ((1.5 - near) / 0.5).clamp(0.0, 1.0);
+    let line = (1.0 - near * near).max(0.0);
+    ramp * (params.pass + (foot + params.margin - params.pass).max(0.0) * line)
+}
+
+/// Beside the other foot, as in the natural stand.
+pub fn beside(params: &Params, physique: &Physique, state: &State, side: Side) -> Plant {
+    let stance = ground(state.feet[side.other() as usize].ankle);
+    let ankle = stance + support::left(state.facing) * (side.sign() * params.width);
+    Plant { ankle: DVec3::new(ankle.x, 0.0, ankle.y), yaw: state.facing + side.sign() * physique.toe_out }
+}
+
+/// The point over which the body stands at ease on those two ankles.
+pub fn middle(params: &Params, facing: f64, ankles: [DVec2; 2]) -> DVec2 {
+    (ankles[0] + ankles[1]) * 0.5 + support::forward(facing) * params.com_forward
+}
+
+/// How far the centre of pressure must lie ahead of ξ, along the lasting push, to hold against it.
+pub fn steady_lean(params: &Params, physique: &Physique, state: &State) -> DVec2 {
+    state.felt / (physique.mass * params.omega * params.omega)
+}
+
+fn within(point: DVec2, centre: DVec2, radius: f64) -> DVec2 {
+    let gap = point.distance(centre);
+    if gap > radius { centre + (point - centre) * (radius / gap) } else { point }
+}

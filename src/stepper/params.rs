@@ -1,0 +1,179 @@
+//! What tunes the controller, already scaled to a body. SI units.
+//!
+//! Every number is written for the reference body (0.83 m leg, centre of mass at 0.96 m, 89.5 kg) and scaled by Froude's
+//! rule: lengths by the leg, times by sqrt(com height / g), speeds and forces by what follows. No absolute constants.
+
+use super::{Physique, SupportModel};
+use crate::maths::pendulum::GRAVITY;
+use crate::model::Side;
+
+/// What makes the controller step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trigger {
+    /// The extrapolated centre of mass ξ leaves the support.
+    Extrapolated,
+    /// The paper's wording: the bare projection of the centre of mass does.
+    Projected,
+}
+
+/// How a character may be set apart from the ordinary adult.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Style {
+    /// 0..1; 0.5 an ordinary adult, 1 whatever balance takes.
+    pub agility: f64,
+    /// The foot that goes first when neither is better.
+    pub lead: Side,
+    /// What makes it step.
+    pub trigger: Trigger,
+    /// The area under a foot.
+    pub support: SupportModel,
+    /// 0..1, how high the swinging foot is lifted; 0.5 as people do.
+    pub step_height: f64,
+    /// 0..1, how wide the stand is that it returns to; 0.5 as the body stands.
+    pub stance_width: f64,
+    /// 0..1, how readily it steps rather than sways; 0.5 as people do.
+    pub readiness: f64,
+}
+
+impl Default for Style {
+    fn default() -> Style {
+        Style {
+            agility: 0.5,
+            lead: Side::Right,
+            trigger: Trigger::Extrapolated,
+            support: SupportModel::Soles,
+            step_height: 0.5,
+            stance_width: 0.5,
+            readiness: 0.5,
+        }
+    }
+}
+
+/// The controller's tuning for one body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "each line says it")]
+pub struct Params {
+    pub lead: Side,
+    pub trigger: Trigger,
+    pub support: SupportModel,
+    // The body's stand.
+    pub width: f64,       // m, ankle to ankle
+    pub com_forward: f64, // m, centre of mass ahead of the ankles
+    pub omega: f64,       // 1/s, at the standing height
+    pub tempo: f64,       // times of the reference body are multiplied by this
+    pub size: f64,        // lengths likewise
+    // Spring leg.
+    pub spring: f64, // N/m
+    pub damper: f64, // N s/m
+    // Support and ankle feedback.
+    pub circle_radius: f64, // m, the paper's circle
+    pub margin: f64,        // m, the centre of pressure keeps this far inside the soles
+    pub inner: f64,         // m, ξ this near to its aim: nothing to do
+    pub outer: f64,         // m, ξ this far inside the outline: step (negative: outside)
+    pub gain: f64,          // of the centre of pressure on ξ's error
+    pub lag: f64,           // s, time constant of the centre of pressure
+    pub sense: f64,         // s, time constant of the perceived push
+    // Timing.
+    pub reaction: f64,       // s, from the disturbance's being felt to the first lift
+    pub swing: f64,          // s, a corrective swing
+    pub follow_swing: f64,   // s
+    pub comfort_swing: f64,  // s
+    pub double_support: f64, // s, from landing to the next lift
+    pub pause: f64,          // s, from coming to rest to a comfort step
+    // Footholds.
+    pub reach: f64,       // m, hip to ankle along the ground at touchdown
+    pub ankle_speed: f64, // m/s, peak
+    pub gap: f64,         // m, sideways between the ankles in a step
+    pub outward: f64,     // m, the foot lands this far outside of the point that it must catch
+    pub overshoot: f64,   // m, and this far ahead of it
+    pub across: f64,      // m, likewise of a foot that crosses: it lands short, for the other one is to follow
+    pub pass: f64,        // m, a foot that crosses lands so far ahead of or behind the other
+    pub slip_arc: f64,    // share of the pole vault's arc by which the centre of mass sinks beside its foot
+    pub tipping: f64,     // share of a high push's moment that ends up as speed
+    pub delay: f64,       // s, until the ankles answer with their full gain
+    pub cost_speed: f64,  // s, weight of the speed at touchdown in the choice of a foot
+    pub cost_cross: f64,  // share of the crossing
+    pub pull: f64,        // m, the paper's k_p
+    pub leg_bias: f64,    // of the leg's length error in the step's length
+    pub trail: f64,       // m, the trailing foot starts when the centre of mass is so far from it and leaving
+    pub lift_height: f64, // m, of the swinging ankle
+    // Comfort.
+    pub stagger: f64, // m
+    pub widen: f64,   // share of the width
+    pub twist: f64,   // rad
+    // Failure.
+    pub leg_span: f64, // m, hip to ankle, stretched
+    pub low: f64,      // m, the centre of mass under this: fallen
+    pub lean: f64,     // m, centre of mass from the nearest standing ankle, along the ground: fallen
+}
+
+impl Params {
+    /// The tuning for that body and style.
+    pub fn new(physique: &Physique, style: &Style) -> Params {
+        let size = physique.leg_length / 0.83;
+        let tempo = (physique.com_height / 0.96).sqrt();
+        let pace = size / tempo;
+        let agility = style.agility.clamp(0.0, 1.0);
+        let dial = |slow: f64, adult: f64, best: f64| {
+            if agility < 0.5 {
+                slow + (adult - slow) * 2.0 * agility
+            } else {
+                adult + (best - adult) * (2.0 * agility - 1.0)
+            }
+        };
+        let mut width = physique.stance_width * (0.6 + 0.8 * style.stance_width.clamp(0.0, 1.0));
+        let weight = physique.mass * GRAVITY;
+        let margin = 0.01 * size;
+        width = width.max(2.0 * physique.half_width + 0.02 * size).max(0.0);
+        let hip_low = 0.74 * physique.hip_height - physique.ankle_height;
+        let leg = physique.leg_length * 0.995;
+        let legs_reach = (leg * leg - hip_low * hip_low).max(0.04 * leg * leg).sqrt();
+        Params {
+            lead: style.lead,
+            trigger: style.trigger,
+            support: style.support,
+            width,
+            com_forward: physique.com_forward.clamp(physique.heel + 2.0 * margin, physique.tip - 2.0 * margin),
+            omega: (GRAVITY / physique.com_height).sqrt(),
+            tempo,
+            size,
+            spring: 23.6 * weight / physique.leg_length, // 25 kN/m for the reference body
+            damper: 0.67 * 2.0 * (23.6 * weight / physique.leg_length * physique.mass).sqrt(),
+            circle_radius: 0.08 * size,
+            margin,
+            inner: 0.008 * size,
+            outer: (0.045 - 0.05 * style.readiness.clamp(0.0, 1.0)) * -size + 0.02 * size,
+            gain: 1.0,
+            lag: 0.036 * tempo,
+            sense: 0.06 * tempo,
+            reaction: dial(0.20, 0.11, 0.0) * tempo,
+            swing: dial(0.36, 0.30, 0.22) * tempo,
+            follow_swing: dial(0.42, 0.37, 0.30) * tempo,
+            comfort_swing: 0.46 * tempo,
+            double_support: dial(0.08, 0.06, 0.02) * tempo,
+            pause: 0.35 * tempo,
+            reach: dial(0.85, 1.0, 1.45) * legs_reach,
+            ankle_speed: dial(6.0, 8.0, 16.0) * pace,
+            gap: 0.14 * physique.leg_length,
+            outward: 0.045 * size,
+            overshoot: 0.02 * size,
+            across: -0.03 * size,
+            pass: 0.16 * size,
+            slip_arc: 0.6,
+            tipping: 0.2,
+            delay: 0.12 * tempo,
+            cost_speed: 0.13 * tempo,
+            cost_cross: 0.2,
+            pull: 0.4 * physique.com_height,
+            leg_bias: 0.4,
+            trail: 0.36 * physique.leg_length,
+            lift_height: (0.05 + 0.08 * style.step_height.clamp(0.0, 1.0)) * size,
+            stagger: 0.05 * size,
+            widen: 0.25,
+            twist: 0.2,
+            leg_span: leg,
+            low: 0.57 * physique.com_height,
+            lean: dial(0.85, 0.9, 1.3) * physique.leg_length,
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! The controller's state, what it is told each tick and what it says. Plain values, scenario space, SI units.
+
+use super::{Params, Physique, Plant, Step, StepKind, ground, support};
+use crate::model::Side;
+use glam::{DVec2, DVec3};
+
+/// What acts on the character during a tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inputs {
+    /// N, disturbances.
+    pub force: DVec3,
+    /// N m, their moment about the centre of mass.
+    pub moment: DVec3,
+    /// rad, where the pelvis is wanted to point.
+    pub facing: f64,
+}
+
+/// How a swinging foot stands to the other leg.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Passing {
+    /// It stays on its own side.
+    Own,
+    /// It crosses over in front of the stance leg.
+    Front,
+    /// It crosses behind it.
+    Behind,
+}
+
+/// A swing in progress.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Swing {
+    /// Which foot.
+    pub side: Side,
+    /// Why.
+    pub kind: StepKind,
+    /// s.
+    pub lift: f64,
+    /// s, when it will land.
+    pub land: f64,
+    /// Where it stood.
+    pub from: Plant,
+    /// Where it will land, as planned now.
+    pub to: Plant,
+    /// How it passes the stance leg.
+    pub passing: Passing,
+    /// m, bulge of its path, to pass the stance leg, (x, z).
+    pub detour: DVec2,
+}
+
+/// A step that is decided and waits for its lift.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Intent {
+    /// Which foot.
+    pub side: Side,
+    /// Why.
+    pub kind: StepKind,
+    /// How it will pass the stance leg.
+    pub passing: Passing,
+}
+
+/// Everything that the controller remembers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State {
+    /// Ticks so far.
+    pub tick: u64,
+    /// s, now.
+    pub time: f64,
+    /// m, centre of mass.
+    pub com: DVec3,
+    /// m/s.
+    pub velocity: DVec3,
+    /// m/s², during the tick that ended now.
+    pub acceleration: DVec3,
+    /// m, centre of pressure.
+    pub cop: DVec2,
+    /// The feet: on the ground, or the ankle's shadow raised by its height in the air.
+    pub feet: [Plant; 2],
+    /// The swing in progress.
+    pub swing: Option<Swing>,
+    /// The step decided on.
+    pub intent: Option<Intent>,
+    /// rad, where the pelvis points.
+    pub facing: f64,
+    /// N, the push as it is felt, (x, z).
+    pub felt: DVec2,
+    /// m/s, speed that the tipping of the trunk has yet to give to the centre of mass, (x, z).
+    pub tip: DVec2,
+    /// m, how far the pendulum's arc has lowered the centre of mass.
+    pub arc: f64,
+    /// s, since ξ left the inner region; 0 while it has not.
+    pub alarm: f64,
+    /// s, since both feet are down.
+    pub settled: f64,
+    /// s, since the last corrective or follow-up step landed; large when there was none.
+    pub recovering: f64,
+    /// The foot that stepped last.
+    pub last: Option<Side>,
+    /// s, at rest by the measures' definition.
+    pub rest: f64,
+    /// s, when balance was lost.
+    pub lost: Option<f64>,
+}
+
+/// What happened in a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TickOutput {
+    /// That foot left the ground.
+    pub lifted: Option<Side>,
+    /// That step landed.
+    pub landed: Option<Step>,
+    /// Balance was lost in this tick.
+    pub lost: bool,
+}
+
+impl State {
+    /// At rest, the ankles' middle over `place`, facing `facing`.
+    pub fn standing(params: &Params, physique: &Physique, place: DVec2, facing: f64) -> State {
+        let feet = Side::BOTH.map(|side| {
+            let ankle = place + support::left(facing) * (side.sign() * 0.5 * physique.stance_width);
+            Plant { ankle: DVec3::new(ankle.x, 0.0, ankle.y), yaw: facing + side.sign() * physique.toe_out }
+        });
+        let over = place + support::forward(facing) * params.com_forward;
+        State {
+            tick: 0,
+            time: 0.0,
+            com: DVec3::new(over.x, physique.com_height, over.y),
+            velocity: DVec3::ZERO,
+            acceleration: DVec3::ZERO,
+            cop: over,
+            feet,
+            swing: None,
+            intent: None,
+            facing,
+            felt: DVec2::ZERO,
+            tip: DVec2::ZERO,
+            arc: 0.0,
+            alarm: 0.0,
+            settled: 1e3 * params.tempo,
+            recovering: 1e3 * params.tempo,
+            last: None,
+            rest: 0.0,
+            lost: None,
+        }
+    }
+
+    /// m, extrapolated centre of mass.
+    pub fn xi(&self, params: &Params) -> DVec2 {
+        ground(self.com) + ground(self.velocity) / params.omega
+    }
+
+    /// Does that foot carry?
+    pub fn planted(&self, side: Side) -> bool {
+        self.swing.is_none_or(|swing| swing.side != side)
+    }
+}

@@ -1,0 +1,162 @@
+//! The support area on the ground: the hull of the soles, or the paper's circles and capsule. (x, z), metres.
+//!
+//! Fixed arrays, no allocation. A support is a convex polygon of at most eight corners, grown by a radius: two soles
+//! give eight corners and radius 0, two circles give two corners and their radius.
+
+use super::{Params, Physique, Plant};
+use glam::DVec2;
+
+/// How the area under a foot is modelled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SupportModel {
+    /// The rectangle of the real sole.
+    Soles,
+    /// The paper's: a circle under each foot, a capsule between two.
+    Circles,
+}
+
+/// The part of a sole that carries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tread {
+    /// Heel to tip.
+    Whole,
+    /// From the ball line on: the heel is rising.
+    Ball,
+}
+
+/// A convex area on the ground.
+#[derive(Clone, Copy, Debug)]
+pub struct Support {
+    corners: [DVec2; 8],
+    count: usize,
+    radius: f64,
+}
+
+/// (x, z) unit vector that the yaw points along.
+pub fn forward(yaw: f64) -> DVec2 {
+    DVec2::new(yaw.sin(), yaw.cos())
+}
+
+/// (x, z) unit vector to the left of the yaw.
+pub fn left(yaw: f64) -> DVec2 {
+    DVec2::new(yaw.cos(), -yaw.sin())
+}
+
+impl Support {
+    /// Under one foot, its edge drawn in by `margin` m.
+    pub fn one(params: &Params, physique: &Physique, plant: &Plant, tread: Tread, margin: f64) -> Support {
+        let mut corners = [DVec2::ZERO; 8];
+        let (count, radius) = corners_of(params, physique, plant, tread, margin, &mut corners);
+        Support { corners, count, radius }
+    }
+
+    /// Under both feet and between them.
+    pub fn two(params: &Params, physique: &Physique, plants: [&Plant; 2], treads: [Tread; 2], margin: f64) -> Support {
+        let mut corners = [DVec2::ZERO; 8];
+        let (first, radius) = corners_of(params, physique, plants[0], treads[0], margin, &mut corners);
+        let (second, _) = corners_of(params, physique, plants[1], treads[1], margin, &mut corners[first..]);
+        if params.support == SupportModel::Circles {
+            return Support { corners, count: first + second, radius };
+        }
+        let (corners, count) = hull(corners);
+        Support { corners, count, radius }
+    }
+
+    /// How far outside the area the point is, m; negative inside.
+    pub fn outside(&self, point: DVec2) -> f64 {
+        let (on_edge, inside) = self.edge(point);
+        let gap = point.distance(on_edge);
+        (if inside { -gap } else { gap }) - self.radius
+    }
+
+    /// The point itself where it is inside, else the nearest one of the area.
+    pub fn nearest(&self, point: DVec2) -> DVec2 {
+        let (on_edge, inside) = self.edge(point);
+        let gap = point.distance(on_edge);
+        if inside || gap <= self.radius { point } else { on_edge + (point - on_edge) * (self.radius / gap) }
+    }
+
+    /// The nearest point on the polygon's outline, and whether the point is inside of it.
+    fn edge(&self, point: DVec2) -> (DVec2, bool) {
+        let corners = &self.corners[..self.count];
+        let mut best = corners[0];
+        let mut best_gap = f64::INFINITY;
+        let mut inside = self.count > 2;
+        for (i, &a) in corners.iter().enumerate() {
+            let b = corners[if i + 1 == self.count { 0 } else { i + 1 }];
+            let (along, to) = (b - a, point - a);
+            if along.perp_dot(to) < 0.0 {
+                inside = false;
+            }
+            let share = (to.dot(along) / along.length_squared().max(1e-18)).clamp(0.0, 1.0);
+            let on = a + along * share;
+            let gap = on.distance_squared(point);
+            if gap < best_gap {
+                (best, best_gap) = (on, gap);
+            }
+        }
+        (best, inside)
+    }
+}
+
+fn corners_of(
+    params: &Params,
+    physique: &Physique,
+    plant: &Plant,
+    tread: Tread,
+    margin: f64,
+    into: &mut [DVec2],
+) -> (usize, f64) {
+    let ankle = DVec2::new(plant.ankle.x, plant.ankle.z);
+    let (ahead, side) = (forward(plant.yaw), left(plant.yaw));
+    let middle = 0.5 * (physique.heel + physique.tip);
+    if params.support == SupportModel::Circles {
+        into[0] = ankle + ahead * middle;
+        return (1, (params.circle_radius - margin).max(0.0));
+    }
+    let half = 0.5 * (physique.tip - physique.heel);
+    let margin = margin.min(0.9 * half).min(0.9 * physique.half_width);
+    let rear = match tread {
+        Tread::Whole => physique.heel + margin,
+        Tread::Ball => (physique.heel + 0.72 * 2.0 * half).min(physique.tip - margin),
+    };
+    let (front, out) = (physique.tip - margin, physique.half_width - margin);
+    into[0] = ankle + ahead * rear - side * out;
+    into[1] = ankle + ahead * rear + side * out;
+    into[2] = ankle + ahead * front + side * out;
+    into[3] = ankle + ahead * front - side * out;
+    (4, 0.0)
+}
+
+/// Convex hull of eight points, counter-clockwise by `perp_dot` (monotone chain on the stack).
+fn hull(mut points: [DVec2; 8]) -> ([DVec2; 8], usize) {
+    for i in 1..8 {
+        let mut j = i;
+        while j > 0 && (points[j].x, points[j].y) < (points[j - 1].x, points[j - 1].y) {
+            points.swap(j, j - 1);
+            j -= 1;
+        }
+    }
+    let mut chain = [DVec2::ZERO; 16];
+    let mut count = 0;
+    for &point in &points {
+        count = push(&mut chain, count, 0, point);
+    }
+    let base = count - 1;
+    for &point in points.iter().rev().skip(1) {
+        count = push(&mut chain, count, base, point);
+    }
+    count -= 1; // the first point again
+    let mut corners = [DVec2::ZERO; 8];
+    let count = count.min(8);
+    corners[..count].copy_from_slice(&chain[..count]);
+    (corners, count)
+}
+
+fn push(chain: &mut [DVec2; 16], mut count: usize, base: usize, point: DVec2) -> usize {
+    while count >= base + 2 && (chain[count - 1] - chain[count - 2]).perp_dot(point - chain[count - 2]) <= 0.0 {
+        count -= 1;
+    }
+    chain[count] = point;
+    count + 1
+}

@@ -1,0 +1,50 @@
+//! The swinging foot's way through the air: a cubic Bezier on the ground, bowed around the stance leg, and a lift that
+//! starts and ends at rest. Scenario space, metres.
+
+use super::{Params, Plant, Swing, ground};
+use glam::{DVec2, DVec3};
+
+/// How far along its way a swing is, 0..1, by the clock.
+pub fn phase(swing: &Swing, time: f64) -> f64 {
+    ((time - swing.lift) / (swing.land - swing.lift)).clamp(0.0, 1.0)
+}
+
+/// Where the foot is at that phase.
+pub fn along(params: &Params, swing: &Swing, phase: f64) -> Plant {
+    let eased = ease(phase);
+    let (from, to) = (ground(swing.from.ankle), ground(swing.to.ankle));
+    let path = bezier(from, to, swing.detour, eased);
+    let up = 16.0 * phase * phase * (1.0 - phase) * (1.0 - phase);
+    let height = swing.from.ankle.y + (swing.to.ankle.y - swing.from.ankle.y) * eased + params.lift_height * up;
+    Plant { ankle: DVec3::new(path.x, height, path.y), yaw: swing.from.yaw + (swing.to.yaw - swing.from.yaw) * eased }
+}
+
+/// The bow, (x, z) m, that keeps the path `gap` m away from the stance ankle, towards `side` (a unit vector) or, where
+/// that is zero, towards the side on which the straight way passes; zero where the straight way keeps the gap.
+pub fn detour(from: DVec2, to: DVec2, stance: DVec2, side: DVec2, gap: f64) -> DVec2 {
+    let way = to - from;
+    let share = ((stance - from).dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
+    if share <= 0.05 || share >= 0.95 {
+        return DVec2::ZERO; // nearest at an end, and the ends stand where they may
+    }
+    let past = from + way * share - stance;
+    let normal = way.perp() / way.length();
+    let sign = if side == DVec2::ZERO { past.dot(normal).signum() } else { side.dot(normal).signum() };
+    let short = gap - past.dot(normal) * sign;
+    // the cubic bows by 3 w u of its handles' bow
+    let bow = 3.0 * share * (1.0 - share);
+    normal * (sign * short.max(0.0) / bow.max(0.35))
+}
+
+/// Peak over mean speed of the easing.
+pub const PEAK: f64 = 1.875;
+
+fn ease(u: f64) -> f64 {
+    u * u * u * (10.0 + u * (6.0 * u - 15.0))
+}
+
+fn bezier(from: DVec2, to: DVec2, detour: DVec2, u: f64) -> DVec2 {
+    let (one, two) = (from + (to - from) / 3.0 + detour, from + (to - from) * (2.0 / 3.0) + detour);
+    let w = 1.0 - u;
+    from * (w * w * w) + one * (3.0 * w * w * u) + two * (3.0 * w * u * u) + to * (u * u * u)
+}

@@ -1,0 +1,220 @@
+//! What trunk, head, pelvis and arms do while the pendulum sways and steps. Radians, SI units, angles in the facing frame.
+//!
+//! Springs that the body's own accelerations drive (lag, counter-lean, swing) and an alarm that raises the arms against
+//! the fall: peaks as people show them (7 degrees of trunk lean at 30 Ns, 13 at 60, 26 at 150). Times scale with the
+//! square root of the height of the centre of mass. Everything is odd under mirroring: a mirrored push gives the mirrored
+//! motion. Decides no feet and no centre of mass.
+
+use super::solve::ArmAngles;
+use super::stand::{TRUNK_LEAN, relaxed_arms};
+use crate::maths::curve::soft_limit;
+use crate::maths::spring::Spring;
+use crate::model::Side;
+use crate::stepper::{Physique, Plant};
+use glam::{DQuat, DVec2, DVec3};
+use std::f64::consts::TAU;
+
+/// What the reaction sees of a tick. World vectors, scenario space.
+#[derive(Clone, Copy, Debug)]
+pub struct Senses {
+    /// m/s², of the centre of mass.
+    pub acceleration: DVec3,
+    /// N, of the disturbances.
+    pub push: DVec3,
+    /// m, extrapolated centre of mass (x, z).
+    pub xi: DVec2,
+    /// Left and right foot.
+    pub feet: [Plant; 2],
+    /// Which of them carry.
+    pub planted: [bool; 2],
+    /// rad, where the pelvis should point.
+    pub facing: f64,
+}
+
+/// Small personal differences, drawn by the seed, each in -1..1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[expect(missing_docs, reason = "what they vary")]
+pub struct Personality {
+    pub arms_gain: f64,
+    pub far_arm: f64,
+    pub arms_delay: f64,
+    pub trunk_gain: f64,
+    pub head_gain: f64,
+    pub elbow: f64,
+}
+
+/// Angles of the upper body and the pelvis at one time, in an order that interpolates entry by entry.
+pub type UpperAngles = [f64; UPPER];
+/// Number of entries of [`UpperAngles`].
+pub const UPPER: usize = 16;
+
+/// Memory of the reaction.
+#[derive(Clone, Debug)]
+pub struct Reaction {
+    physique: Physique,
+    personality: Personality,
+    arms_dial: f64,
+    lean: [Spring; 2],      // sideways (left positive), forwards
+    head: [Spring; 2],      // what the head keeps of it
+    pelvis_yaw: Spring,     // relative to facing, left positive
+    list: Spring,           // pelvis drop on the right positive
+    alarm: f64,             // 0..1
+    alarm_line: Vec<f64>,   // raw alarm of the last ticks, newest last
+    fall: DVec2,            // smoothed direction of the fall (left, forward)
+    arms: [[Spring; 3]; 2], // raise, abduct, elbow beyond the relaxed stand
+}
+
+impl Reaction {
+    /// At rest. `arms_dial`: 0..1, 0.5 as found in people.
+    pub fn new(physique: &Physique, personality: Personality, arms_dial: f64) -> Self {
+        Self {
+            physique: *physique,
+            personality,
+            arms_dial,
+            lean: Default::default(),
+            head: Default::default(),
+            pelvis_yaw: Spring::default(),
+            list: Spring::default(),
+            alarm: 0.0,
+            alarm_line: Vec::new(),
+            fall: DVec2::ZERO,
+            arms: Default::default(),
+        }
+    }
+
+    /// One tick of `dt` s; returns the angles at its end.
+    pub fn tick(&mut self, senses: &Senses, dt: f64) -> UpperAngles {
+        let scale = (self.physique.com_height / 0.96).sqrt(); // times are for a centre of mass at 0.96 m
+        let length = self.physique.com_height / 0.96;
+        let local = |world: DVec3| {
+            let (sin, cos) = senses.facing.sin_cos();
+            DVec2::new(world.x * cos - world.z * sin, world.x * sin + world.z * cos)
+        };
+        let acceleration = local(senses.acceleration);
+        let push = local(senses.push) / self.physique.mass;
+        let ground = acceleration - push;
+
+        // Trunk: the push carries the shoulders off, the ground's braking pulls the hips from under them.
+        let gain = 1.0 + 0.08 * self.personality.trunk_gain;
+        let trunk_omega = TAU * 1.35 / scale;
+        let drive = (push * 5.2 - ground * 1.2) * gain / length;
+        for axis in 0..2 {
+            self.lean[axis].v += drive[axis] * dt;
+            self.lean[axis].step(0.0, trunk_omega, 0.5, dt);
+        }
+        let lean = DVec2::new(soft_limit(self.lean[0].x, 0.42), soft_limit(self.lean[1].x, 0.60));
+        let head_omega = TAU * 2.2 / scale;
+        for axis in 0..2 {
+            let keeps = 0.25 + 0.08 * self.personality.head_gain;
+            self.head[axis].v -= push[axis] * 1.1 / length * dt;
+            self.head[axis].step(keeps * lean[axis], head_omega, 0.45, dt);
+        }
+
+        self.tick_pelvis(senses, scale, dt);
+        self.tick_alarm(senses, &local, scale, dt);
+        self.tick_arms(acceleration, scale, length, dt);
+
+        let mut angles = [0.0; UPPER];
+        angles[0] = lean.x;
+        angles[1] = lean.y;
+        angles[2] = self.head[0].x;
+        angles[3] = self.head[1].x;
+        angles[4] = self.pelvis_yaw.x;
+        angles[5] = self.list.x;
+        angles[6] = senses.facing;
+        for side in 0..2 {
+            for joint in 0..3 {
+                angles[7 + side * 3 + joint] = self.arms[side][joint].x;
+            }
+        }
+        angles[13] = self.alarm;
+        angles
+    }
+
+    fn tick_pelvis(&mut self, senses: &Senses, scale: f64, dt: f64) {
+        let between = senses.feet[0].ankle - senses.feet[1].ankle;
+        let ahead = between.x * senses.facing.sin() + between.z * senses.facing.cos(); // left foot ahead of the right
+        let yaw = -soft_limit(0.55 * ahead / self.physique.leg_length, 16_f64.to_radians());
+        self.pelvis_yaw.step(yaw, TAU * 1.8 / scale, 0.9, dt);
+        let list = match senses.planted {
+            [false, true] => -1.0,
+            [true, false] => 1.0,
+            _ => 0.0,
+        };
+        self.list.step(list * 4.5_f64.to_radians(), TAU * 1.6 / scale, 0.8, dt);
+    }
+
+    fn tick_alarm(&mut self, senses: &Senses, local: &dyn Fn(DVec3) -> DVec2, scale: f64, dt: f64) {
+        let ahead = DVec3::new(senses.facing.sin(), 0.0, senses.facing.cos()) * self.physique.com_forward;
+        let middle = (senses.feet[0].ankle + senses.feet[1].ankle) * 0.5 + ahead;
+        let off = local(DVec3::new(senses.xi.x, 0.0, senses.xi.y) - middle) / self.physique.leg_length;
+        let raw = ((off.length() - 0.035) / 0.24).clamp(0.0, 1.0);
+        self.alarm_line.push(raw);
+        let delay = ((0.12 + 0.02 * self.personality.arms_delay) * scale / dt).round() as usize;
+        let heard =
+            if self.alarm_line.len() > delay { self.alarm_line[self.alarm_line.len() - 1 - delay] } else { 0.0 };
+        let time = if heard > self.alarm { 0.07 } else { 0.40 } * scale;
+        self.alarm += (heard - self.alarm) * (1.0 - (-dt / time).exp());
+        if raw > 0.0 {
+            let towards = off.normalize_or_zero();
+            self.fall += (towards - self.fall) * (1.0 - (-dt / (0.10 * scale)).exp());
+        }
+    }
+
+    fn tick_arms(&mut self, acceleration: DVec2, scale: f64, length: f64, dt: f64) {
+        let (back, forth) = ((-self.fall.y).max(0.0), self.fall.y.max(0.0));
+        let aside = self.fall.x.abs();
+        let sum = (back + forth + aside).max(1e-6);
+        let dial = self.arms_dial * 2.0 * (1.0 + 0.12 * self.personality.arms_gain);
+        let omega = TAU * (1.05 + 0.75 * self.alarm) / scale;
+        for side in Side::BOTH {
+            // Far: the arm on the side that the body falls away from. It goes higher.
+            let far = -side.sign() * self.fall.x.signum() * f64::from(self.fall.x != 0.0);
+            let aside_far = [5.0, 46.0, 8.0];
+            let aside_near = [5.0, 30.0, 30.0];
+            let uneven = 1.0 + 0.11 * far * aside + 0.06 * far * self.personality.far_arm;
+            let mut target = [0.0; 3];
+            for joint in 0..3 {
+                let sideways = if far > 0.0 { aside_far[joint] } else { aside_near[joint] };
+                let degrees =
+                    ([40.0, 30.0, 26.0][joint] * back + [16.0, 26.0, 34.0][joint] * forth + sideways * aside) / sum;
+                target[joint] = degrees.to_radians() * self.alarm * dial * uneven;
+            }
+            target[2] *= 1.0 + 0.15 * self.personality.elbow;
+            let springs = &mut self.arms[side as usize];
+            // The arm is left behind when its shoulder is accelerated.
+            springs[0].v -= acceleration.y / (0.62 * length) * 1.1 * dt;
+            springs[1].v -= side.sign() * acceleration.x / (0.62 * length) * 1.1 * dt;
+            springs[2].v += acceleration.length() / (0.62 * length) * 0.25 * dt;
+            springs[0].step(target[0], omega, 0.38, dt);
+            springs[1].step(target[1], omega, 0.48, dt);
+            springs[2].step(target[2], omega, 0.45, dt);
+        }
+    }
+}
+
+/// The turns that those angles mean: pelvis, chest, head (global, from upright rest), and the arms.
+pub fn upper_turns(angles: &UpperAngles) -> (DQuat, DQuat, DQuat, [ArmAngles; 2]) {
+    let lean = |sideways: f64, forwards: f64| DQuat::from_scaled_axis(DVec3::new(forwards, 0.0, -sideways));
+    let facing = angles[6];
+    let pelvis = DQuat::from_rotation_y(facing + angles[4])
+        * lean(0.30 * angles[0], 0.38 * angles[1])
+        * DQuat::from_rotation_z(angles[5]);
+    let chest = DQuat::from_rotation_y(facing - 0.55 * angles[4]) * lean(angles[0], angles[1] + TRUNK_LEAN);
+    let head = DQuat::from_rotation_y(facing) * lean(angles[2], angles[3]);
+    let relaxed = relaxed_arms();
+    let arms = [0, 1].map(|side| {
+        let (raise, abduct, elbow) = (angles[7 + side * 3], angles[8 + side * 3], angles[9 + side * 3]);
+        let lift = raise.abs().max(abduct.abs());
+        ArmAngles {
+            raise: relaxed.raise + soft_limit(raise, 1.6),
+            // Never through the ribs: inwards it stops soon.
+            abduct: relaxed.abduct + if abduct < 0.0 { soft_limit(abduct, 0.10) } else { soft_limit(abduct, 1.5) },
+            // A raised forearm that stays turned in crosses the face.
+            inward: relaxed.inward * (1.0 - lift / 0.8).clamp(-0.5, 1.0),
+            elbow: relaxed.elbow + if elbow < 0.0 { soft_limit(elbow, 0.2) } else { soft_limit(elbow, 1.6) },
+            curl: relaxed.curl * (1.0 - 0.55 * angles[13]),
+        }
+    });
+    (pelvis, chest, head, arms)
+}

@@ -1,0 +1,255 @@
+//! The pose whose articulated centre of mass and feet are the wanted ones. Scenario space, metres, radians.
+//!
+//! The upper body is posed by angles; then the pelvis is moved until the articulated centre of mass lies on the target
+//! (a fixed point: the legs are a third of the mass and follow by two-bone IK, so each pass leaves about a quarter of the
+//! error). A foot that is out of reach stays on its leg's line; the caller keeps it in reach and is told the excess.
+
+use super::anatomy::Anatomy;
+use crate::maths::quat::{limb_frame, yaw_of};
+use crate::maths::two_bone_ik::two_bone_ik;
+use crate::model::{Body, BodyPose, Side};
+use glam::{DQuat, DVec3};
+
+/// What the pose is to be.
+#[derive(Clone, Copy, Debug)]
+pub struct PoseTarget {
+    /// m, articulated centre of mass.
+    pub com: DVec3,
+    /// Global turn of the pelvis from its upright rest.
+    pub pelvis: DQuat,
+    /// Global turn of the upper trunk; the spine joints share the way from the pelvis to it.
+    pub chest: DQuat,
+    /// Global turn of the head; the neck goes half way.
+    pub head: DQuat,
+    /// Left and right.
+    pub arms: [ArmAngles; 2],
+    /// Left and right.
+    pub feet: [FootTarget; 2],
+}
+
+/// Joint angles of an arm, rad, from hanging straight down with the palm inwards.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ArmAngles {
+    /// Flexion of the shoulder: forwards and up.
+    pub raise: f64,
+    /// Abduction: away from the body.
+    pub abduct: f64,
+    /// Inward rotation about the upper arm.
+    pub inward: f64,
+    /// Flexion of the elbow.
+    pub elbow: f64,
+    /// Curl of each finger joint.
+    pub curl: f64,
+}
+
+/// Where a foot is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FootTarget {
+    /// m, ankle joint.
+    pub ankle: DVec3,
+    /// Global turn of the foot from rest.
+    pub foot: DQuat,
+    /// Global turn of the toes from rest.
+    pub toe: DQuat,
+    /// rad, where the foot points.
+    pub yaw: f64,
+    /// 0 planted: the ankle is where it is told. Towards 1 (mid-swing) a leg near its full length gives way softly.
+    pub soft: f64,
+}
+
+/// A solved pose and what it cost.
+#[derive(Clone, Debug)]
+pub struct Solved {
+    /// The pose.
+    pub pose: BodyPose,
+    /// m, hip joints, left and right.
+    pub hips: [DVec3; 2],
+    /// m, by how much each ankle target was out of reach (0 within).
+    pub short: [f64; 2],
+    /// rad, knee bends.
+    pub knees: [f64; 2],
+    /// m, distance of the articulated centre of mass from its target.
+    pub error: f64,
+}
+
+/// Solves poses of one body; keeps the last pelvis place as the next first guess.
+#[derive(Clone, Debug)]
+pub struct Solver<'a> {
+    body: &'a Body,
+    anatomy: &'a Anatomy,
+    positions: Vec<DVec3>,
+    lower: Vec<usize>,
+}
+
+/// The largest part of the straight leg that a pose may use: past it the knee locks and pops.
+pub const STRAIGHTEST: f64 = 0.9985;
+const MOST_PASSES: usize = 10;
+const COM_TOLERANCE: f64 = 2e-5; // m
+
+impl<'a> Solver<'a> {
+    /// For a body.
+    pub fn new(body: &'a Body, anatomy: &'a Anatomy) -> Self {
+        let roots = [anatomy.legs[0].upper, anatomy.legs[1].upper];
+        let mut lower = Vec::new();
+        for joint in 0..body.joints.len() {
+            let hangs = body.joints[joint].parent.is_some_and(|parent| lower.contains(&parent));
+            if roots.contains(&joint) || hangs {
+                lower.push(joint);
+            }
+        }
+        Self { body, anatomy, positions: Vec::new(), lower }
+    }
+
+    /// The pose for a target.
+    pub fn solve(&mut self, target: &PoseTarget) -> Solved {
+        let body = self.body;
+        let mut pose = BodyPose { hips: target.com, turns: vec![DQuat::IDENTITY; body.joints.len()] };
+        self.pose_upper(target, &mut pose);
+        // The upper body's moment about the hips does not change while the pelvis moves.
+        pose.hips = DVec3::ZERO;
+        pose.positions_into(body, &mut self.positions);
+        let mut upper_moment = DVec3::ZERO;
+        let mut upper_mass = 0.0;
+        for segment in body.segments.iter().filter(|segment| !self.lower.contains(&segment.joint)) {
+            upper_moment += segment.mass * (self.positions[segment.joint] + pose.turns[segment.joint] * segment.centre);
+            upper_mass += segment.mass;
+        }
+        pose.hips = target.com - upper_moment / body.mass * 1.3;
+        let mut solved = [two_bone_ik(DVec3::Y, DVec3::ZERO, 0.5, 0.5, DVec3::Z, 1.0); 2];
+        let mut hips = [DVec3::ZERO; 2];
+        let mut error = f64::INFINITY;
+        for _ in 0..MOST_PASSES {
+            let mut moment = upper_moment + pose.hips * upper_mass;
+            for side in Side::BOTH {
+                let (hip, leg) = self.pose_leg(target, side, &mut pose);
+                hips[side as usize] = hip;
+                solved[side as usize] = leg;
+            }
+            for segment in body.segments.iter().filter(|segment| self.lower.contains(&segment.joint)) {
+                moment += segment.mass * (self.positions[segment.joint] + pose.turns[segment.joint] * segment.centre);
+            }
+            let miss = target.com - moment / body.mass;
+            error = miss.length();
+            if error < COM_TOLERANCE {
+                break;
+            }
+            pose.hips += miss;
+        }
+        let short = Side::BOTH.map(|side| {
+            let leg = &solved[side as usize];
+            if leg.reached { 0.0 } else { (target.feet[side as usize].ankle - leg.end).length() }
+        });
+        Solved { pose, hips, short, knees: [solved[0].bend, solved[1].bend], error }
+    }
+
+    fn pose_upper(&self, target: &PoseTarget, pose: &mut BodyPose) {
+        let anatomy = self.anatomy;
+        let upright = anatomy.torso_upright;
+        let turns = &mut pose.turns;
+        // Whatever has no say of its own inherits from its parent.
+        let mut set = vec![false; turns.len()];
+        let mut put = |turns: &mut Vec<DQuat>, joint: usize, turn: DQuat| {
+            turns[joint] = turn;
+            set[joint] = true;
+        };
+        put(turns, 0, target.pelvis * upright);
+        let count = anatomy.spine.len() as f64;
+        for (place, joint) in anatomy.spine.iter().enumerate() {
+            let share = (place + 1) as f64 / count;
+            put(turns, *joint, target.pelvis.slerp(target.chest, share) * upright);
+        }
+        if let Some(neck) = anatomy.neck {
+            put(turns, neck, (target.chest * upright).slerp(target.head, 0.5));
+        }
+        put(turns, anatomy.head, target.head);
+        for side in Side::BOTH {
+            let (arm, angles) = (&anatomy.arms[side as usize], &target.arms[side as usize]);
+            let sign = side.sign();
+            if let Some(shoulder) = arm.shoulder {
+                // The collar bone follows a third of what the arm lifts past 30 degrees.
+                let lift = ((angles.abduct.abs().max(angles.raise.abs()) - 0.52).max(0.0)) * 0.33;
+                put(turns, shoulder, target.chest * DQuat::from_rotation_z(sign * lift) * upright);
+            }
+            let upper = target.chest
+                * DQuat::from_rotation_z(sign * angles.abduct)
+                * DQuat::from_rotation_x(-angles.raise)
+                * DQuat::from_rotation_y(-sign * angles.inward);
+            let lower = upper * DQuat::from_rotation_x(-angles.elbow);
+            put(turns, arm.upper, upper * arm.upper_down);
+            put(turns, arm.lower, lower * arm.lower_down);
+            put(turns, arm.hand, lower * arm.lower_down);
+            for finger in &arm.fingers {
+                let joint = &self.body.joints[*finger];
+                let thumb = joint.role.name().contains("Thumb");
+                let parent = joint.parent.unwrap_or(0);
+                let share = if thumb { 0.3 } else { 1.0 };
+                // In the hanging hand the palm faces inwards: fingers curl about the hand's own fore-aft axis.
+                let axis = lower * DVec3::new(0.0, 0.0, -sign);
+                let turn = DQuat::from_axis_angle(axis, angles.curl * share) * turns[parent];
+                put(turns, *finger, turn);
+            }
+        }
+        for joint in 1..turns.len() {
+            if !set[joint]
+                && !self.lower.contains(&joint)
+                && let Some(parent) = self.body.joints[joint].parent
+            {
+                turns[joint] = turns[parent];
+            }
+        }
+        self.hold_unanimated(turns);
+    }
+
+    /// A joint that no node moves keeps its parent's turn.
+    fn hold_unanimated(&self, turns: &mut [DQuat]) {
+        for (index, joint) in self.body.joints.iter().enumerate() {
+            if !joint.animated
+                && let Some(parent) = joint.parent
+            {
+                turns[index] = turns[parent];
+            }
+        }
+    }
+
+    fn pose_leg(
+        &mut self,
+        target: &PoseTarget,
+        side: Side,
+        pose: &mut BodyPose,
+    ) -> (DVec3, crate::maths::two_bone_ik::TwoBone) {
+        let (body, leg, foot) = (self.body, &self.anatomy.legs[side as usize], &target.feet[side as usize]);
+        let pelvis = pose.turns[0];
+        let parent = body.joints[leg.upper].parent.unwrap_or(0);
+        let hip = pose.hips + pelvis * (body.joints[leg.upper].rest - body.joints[0].rest);
+        debug_assert!(parent == 0, "legs hang from the hips");
+        // The knee points between the foot and the pelvis, a little upwards so that a raised thigh keeps its knee above.
+        let pelvis_yaw = yaw_of(target.pelvis);
+        let yaw = pelvis_yaw + 0.65 * crate::maths::quat::wrap_angle(foot.yaw - pelvis_yaw);
+        let pole = DVec3::new(yaw.sin(), 0.25, yaw.cos());
+        let ankle = soft_reach(hip, foot.ankle, leg.length(), foot.soft);
+        let chain = two_bone_ik(hip, ankle, leg.thigh_length, leg.shank_length, pole, STRAIGHTEST);
+        pose.turns[leg.upper] = limb_frame(chain.middle - hip, chain.hinge) * leg.thigh_from_rest;
+        pose.turns[leg.lower] = limb_frame(chain.end - chain.middle, chain.hinge) * leg.shank_from_rest;
+        pose.turns[leg.foot] = if body.joints[leg.foot].animated { foot.foot } else { pose.turns[leg.lower] };
+        self.positions[leg.upper] = hip;
+        self.positions[leg.lower] = chain.middle;
+        self.positions[leg.foot] = chain.end;
+        if let Some(toe) = leg.toe {
+            pose.turns[toe] = foot.toe;
+            self.positions[toe] = chain.end + pose.turns[leg.foot] * body.offset(toe);
+        }
+        (hip, chain)
+    }
+}
+
+/// Draws a swinging ankle in before the leg is straight, so that the knee does not snap: from 96.5 % of the leg at `soft` 1.
+fn soft_reach(hip: DVec3, ankle: DVec3, leg: f64, soft: f64) -> DVec3 {
+    let to = ankle - hip;
+    let distance = to.length();
+    let from = leg * (STRAIGHTEST - (STRAIGHTEST - 0.965) * soft);
+    let room = leg * STRAIGHTEST - from;
+    if distance <= from || room < 1e-9 {
+        return ankle;
+    }
+    hip + to * ((from + room * (1.0 - (-(distance - from) / room).exp())) / distance)
+}
