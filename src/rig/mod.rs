@@ -3,14 +3,32 @@
 //! The way of a file: bytes -> [`document`] (JSON and buffers, checked) -> nodes and bind pose -> roles (VRM extension,
 //! name tables of `rigs/names/`, geometry, override file) -> [`Body`] in scenario space.
 
+pub mod accessor;
 pub mod animate;
+pub mod bind;
 pub mod body;
+pub mod document;
+pub mod error;
+pub mod images;
+pub mod inspect;
+pub mod load;
 pub mod mannequin;
 mod mannequin_document;
 mod mannequin_mesh;
 mod mannequin_shape;
+pub mod mapping;
+pub mod mesh;
+pub mod names;
+pub mod nodes;
+pub mod overrides;
 mod segments;
 mod sole;
+pub mod space;
+pub mod vrm;
+
+pub use error::{Fault, RigError};
+pub use inspect::{inspect_json, inspect_text};
+pub use load::{load, load_bytes};
 
 use crate::model::{Body, Role};
 use glam::{DQuat, DVec2, DVec3};

@@ -1,0 +1,97 @@
+//! From a file to a [`Rig`]: the order in which the parts of this folder are asked.
+//!
+//! `load` is the only function of the folder that touches the disk: the rig file, what it points to beside itself, and the
+//! override file `hero.bones.toml`.
+
+use super::body::{BodyInput, derive};
+use super::document::Resolve;
+use super::nodes::globals;
+use super::{Document, Mapping, Rig, RigError, bind, images, mapping, mesh, nodes, overrides, space};
+use crate::model::Role;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Bytes of a file that are read at most.
+const MOST_BYTES: u64 = 1 << 30;
+
+/// Loads a rig from disk.
+pub fn load(path: &Path) -> Result<Rig, RigError> {
+    let file = path.display().to_string();
+    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+    let bytes = read(path).map_err(|source| RigError::Io { file: file.clone(), source })?;
+    let beside = overrides::file_name(&file);
+    let text = match std::fs::read_to_string(&beside) {
+        Ok(text) => Some(text),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => None,
+        Err(source) => return Err(RigError::Io { file: beside, source }),
+    };
+    load_bytes(&file, &bytes, &|relative| read(&folder.join(relative)), text.as_deref())
+}
+
+/// Loads a rig from memory. `name` stands for the file in messages; `resolve` reads what the document points to;
+/// `overrides` is the text of the override file, if there is one.
+pub fn load_bytes(name: &str, bytes: &[u8], resolve: &Resolve, overrides: Option<&str>) -> Result<Rig, RigError> {
+    let mut document = Document::parse(name, bytes, resolve)?;
+    if document.list("extensionsUsed").iter().any(|used| used == "VRMC_vrm_animation") {
+        let remedy = "give the .vrm (or .glb) of the character".into();
+        return Err(RigError::WrongKind { file: name.into(), what: "is a VRM animation, not a rig".into(), remedy });
+    }
+    let mut nodes = nodes::read_nodes(&document).map_err(|fault| fault.in_file(name))?;
+    let skins = bind::read_skins(&document).map_err(|fault| fault.in_file(name))?;
+    let mut warnings = bind::set_bind_pose(&mut nodes, &skins);
+    let bind_globals = globals(&nodes, |node| node.bind);
+    let (mut parts, notes) =
+        mesh::read_parts(&document, &nodes, &skins, &bind_globals).map_err(|fault| fault.in_file(name))?;
+    warnings.extend(notes);
+
+    let found = mapping::find(name, &document, &nodes, &skins, &bind_globals, &parts, overrides)?;
+    warnings.extend(found.warnings);
+    let mut bones = found.bones;
+    let positions: Vec<_> = bind_globals.iter().map(|global| global.translation).collect();
+    let stance = space::stance(&nodes, &bones, &positions, &parts, found.sides_known).ok_or_else(|| {
+        let reason = "its limbs lie in one place".into();
+        RigError::NotHumanoid { file: name.into(), reason, overrides: overrides::file_name(name) }
+    })?;
+    warnings.extend(stance.warnings);
+    if stance.swapped {
+        bones = bones.into_iter().map(|(role, node)| (role.mirrored(), node)).collect();
+    }
+    let similarity = stance.document_from_scenario;
+    mesh::into_scenario(&mut parts, &similarity);
+    let places: BTreeMap<Role, _> =
+        bones.iter().map(|(role, node)| (*role, (*node, similarity.inverse_point(positions[*node])))).collect();
+    let parents: Vec<Option<usize>> = nodes.iter().map(|node| node.parent).collect();
+    let derived = derive(&BodyInput { bones: &places, mesh: &parts, parents: &parents, mass: None });
+    warnings.extend(derived.warnings);
+    images::decode(&mut document, &parts, resolve);
+    warnings.dedup();
+    let mapping = Mapping {
+        method: found.method,
+        confidence: (found.confidence * stance.confidence * derived.confidence_factor).clamp(0.0, 1.0),
+        bones,
+        warnings,
+        up: stance.up,
+        forward: stance.forward,
+    };
+    Ok(Rig {
+        document,
+        nodes,
+        body: derived.body,
+        joint_nodes: derived.joint_nodes,
+        document_from_scenario: similarity,
+        mapping,
+        mesh: parts,
+    })
+}
+
+/// A plain file of bounded size: no device, no pipe.
+fn read(path: &Path) -> std::io::Result<Vec<u8>> {
+    let about = std::fs::metadata(path)?;
+    if !about.is_file() {
+        return Err(std::io::Error::other("is not a file"));
+    }
+    if about.len() > MOST_BYTES {
+        return Err(std::io::Error::other("is over 1 GiB: too large for a rig"));
+    }
+    std::fs::read(path)
+}

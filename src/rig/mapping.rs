@@ -1,0 +1,182 @@
+//! Which node is which bone: asks the override file, the VRM extension, the name tables, name tokens and the geometry, in
+//! that order, and takes the first whole answer whose limbs hang together.
+
+use super::bind::Skin;
+use super::nodes::is_under;
+use super::{Document, MeshPart, RigError, RigNode, names, overrides, space, vrm};
+use crate::model::Role;
+use glam::{DAffine3, DVec3};
+use std::collections::BTreeMap;
+
+/// Names of nodes shown where bones are missing.
+const NAMES_SHOWN: usize = 40;
+
+/// A humanoid that was found.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// As [`super::Mapping::method`].
+    pub method: String,
+    /// 0..1, of the bones alone.
+    pub confidence: f64,
+    /// Role to node.
+    pub bones: BTreeMap<Role, usize>,
+    /// Left and right come from the file, not from a guess.
+    pub sides_known: bool,
+    /// Sentences.
+    pub warnings: Vec<String>,
+}
+
+/// Finds the bones of the file `name`.
+pub fn find(
+    name: &str,
+    document: &Document,
+    nodes: &[RigNode],
+    skins: &[Skin],
+    bind: &[DAffine3],
+    parts: &[MeshPart],
+    override_text: Option<&str>,
+) -> Result<Found, RigError> {
+    let positions: Vec<DVec3> = bind.iter().map(|global| global.translation).collect();
+    let beside = overrides::file_name(name);
+    let spoken = override_text.map_or(Ok(BTreeMap::new()), |text| overrides::read(&beside, text, nodes))?;
+    let given: Vec<Role> = spoken.iter().filter(|(_, node)| node.is_some()).map(|(role, _)| *role).collect();
+    let mut warnings = Vec::new();
+    let declared = vrm::declared(document).map_err(|fault| fault.in_file(name))?;
+    let mut answers: Vec<Found> = Vec::new();
+    if let Some(declared) = declared {
+        warnings.extend(declared.warnings);
+        answers.push(Found {
+            method: declared.method.into(),
+            confidence: 1.0,
+            bones: declared.bones,
+            sides_known: true,
+            warnings: Vec::new(),
+        });
+    }
+    let rank = rank(document, nodes, skins);
+    if let Some(found) = names::match_tables(nodes, &rank, &given) {
+        let without: Vec<String> = found
+            .without
+            .iter()
+            .map(|role| format!("{} rigs have no {} bone: its place is assumed", found.table, role.name()))
+            .collect();
+        answers.push(Found {
+            method: format!("names: {}", found.table),
+            confidence: if without.is_empty() { 0.97 } else { 0.75 },
+            bones: found.bones,
+            sides_known: true,
+            warnings: without,
+        });
+    }
+    answers.push(Found {
+        method: "override".into(),
+        confidence: 1.0,
+        bones: BTreeMap::new(),
+        sides_known: true,
+        warnings: Vec::new(),
+    });
+    let mut refusal: Option<String> = None;
+    let mut fewest: Option<Vec<Role>> = None;
+    for mut answer in answers {
+        speak(&mut answer, &spoken);
+        let missing = missing(&answer);
+        if !missing.is_empty() {
+            if fewest.as_ref().is_none_or(|fewest| missing.len() < fewest.len()) {
+                fewest = Some(missing);
+            }
+            continue;
+        }
+        if let Some(broken) = broken_limb(nodes, &answer.bones) {
+            if answer.method.starts_with("names") {
+                warnings.push(format!("{} was not believed: {broken}", answer.method));
+                continue;
+            }
+            answer.warnings.push(broken);
+            answer.confidence *= 0.8;
+        }
+        if let Some(reason) = space::not_human(&answer.bones, &positions) {
+            let insisted = Role::REQUIRED.iter().all(|role| given.contains(role)) || answer.method.starts_with("vrm");
+            if !insisted {
+                refusal = refusal.or(Some(reason));
+                continue;
+            }
+            answer.warnings.push(reason);
+            answer.confidence *= 0.5;
+        }
+        answer.warnings.splice(0..0, warnings);
+        return Ok(answer);
+    }
+    let _ = parts;
+    match refusal {
+        Some(reason) => Err(RigError::NotHumanoid { file: name.into(), reason, overrides: beside }),
+        None => Err(RigError::MissingBones {
+            file: name.into(),
+            missing: fewest.unwrap_or_default(),
+            seen: seen(nodes),
+            overrides: beside,
+        }),
+    }
+}
+
+/// Puts a person's word over the answer.
+fn speak(answer: &mut Found, spoken: &BTreeMap<Role, Option<usize>>) {
+    for (role, node) in spoken {
+        answer.bones.remove(role);
+        if let Some(node) = node {
+            answer.bones.retain(|_, other| other != node);
+        }
+    }
+    answer.bones.extend(spoken.iter().filter_map(|(role, node)| Some((*role, (*node)?))));
+    if !spoken.is_empty() && answer.method != "override" {
+        answer.method.push_str(" + override");
+    }
+}
+
+/// Required bones that the answer lacks. A convention without a head bone says so in its warnings.
+fn missing(answer: &Found) -> Vec<Role> {
+    let headless = answer.warnings.iter().any(|warning| warning.contains("no head bone"));
+    let lacks = |role: &&Role| !answer.bones.contains_key(role) && !(headless && **role == Role::Head);
+    Role::REQUIRED.iter().filter(lacks).copied().collect()
+}
+
+/// A limb whose bones do not hang on one another.
+fn broken_limb(nodes: &[RigNode], bones: &BTreeMap<Role, usize>) -> Option<String> {
+    use Role::*;
+    let limbs = [
+        [LeftUpperArm, LeftLowerArm, LeftHand],
+        [RightUpperArm, RightLowerArm, RightHand],
+        [LeftUpperLeg, LeftLowerLeg, LeftFoot],
+        [RightUpperLeg, RightLowerLeg, RightFoot],
+    ];
+    for limb in limbs {
+        for pair in limb.windows(2) {
+            let (Some(upper), Some(lower)) = (bones.get(&pair[0]), bones.get(&pair[1])) else { continue };
+            if upper == lower || !is_under(nodes, *lower, *upper) {
+                return Some(format!("{} does not hang on {}", pair[1].name(), pair[0].name()));
+            }
+        }
+    }
+    None
+}
+
+/// Of nodes with the same name a joint of a skin counts most, then one with children, then one that draws nothing.
+fn rank(document: &Document, nodes: &[RigNode], skins: &[Skin]) -> Vec<u8> {
+    let mut rank: Vec<u8> = nodes
+        .iter()
+        .zip(document.list("nodes"))
+        .map(|(node, json)| u8::from(!node.children.is_empty()) * 2 + u8::from(json.get("mesh").is_none()))
+        .collect();
+    skins.iter().flat_map(|skin| &skin.joints).for_each(|joint| rank[*joint] |= 4);
+    rank
+}
+
+fn seen(nodes: &[RigNode]) -> String {
+    let names: Vec<&str> = nodes.iter().filter_map(|node| node.name.as_deref()).collect();
+    if names.is_empty() {
+        return format!("{} nodes, none of them named", nodes.len());
+    }
+    let shown: Vec<String> = names.iter().take(NAMES_SHOWN).map(|name| name.chars().take(40).collect()).collect();
+    let more = names.len().saturating_sub(NAMES_SHOWN);
+    let tail = if more > 0 { format!(" and {more} more") } else { String::new() };
+    shown.join(", ") + &tail
+}
