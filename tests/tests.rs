@@ -3,6 +3,14 @@
 
 /// Row order of `src/lib.rs`, names in their places, shape of files.
 mod architecture;
+/// Height, masses and soles of real rigs and of the built-in one.
+mod bodies;
 /// The program at the shell: exit codes, words, files.
 mod cli;
 mod common;
+/// Baked files: the source kept whole, read again, by the Khronos validator, three.js.
+mod export;
+/// What the measures say of a walk over force plates.
+mod measure;
+/// Rigs and motions made by hand for the modules above.
+mod synthetic;

@@ -12,6 +12,9 @@ use crate::stepper::{Physique, Plant, Step, StepKind};
 use crate::whole_body::solve::FootTarget;
 use glam::{DQuat, DVec3};
 
+/// rad/s, mean speed at which a heel comes up: faster, and the ankle snaps.
+const FASTEST_ROLL: f64 = 2.6;
+
 /// Both feet over a whole run.
 #[derive(Clone, Debug)]
 pub struct FootCurves {
@@ -86,12 +89,6 @@ impl FootPath {
         let shape = &body.feet[side as usize];
         let rest_yaw = shape.forward.x.atan2(shape.forward.y);
         let levelled = |offset: DVec3| DQuat::from_rotation_y(-rest_yaw) * (shape.level * offset);
-        let rearmost = shape
-            .rear_sole
-            .iter()
-            .map(|vertex| levelled(*vertex))
-            .min_by(|a, b| a.z.total_cmp(&b.z))
-            .unwrap_or(DVec3::new(0.0, -shape.ankle_height, shape.heel));
         let pivot = match shape.toe {
             Some(toe) => levelled(body.joints[toe].rest - body.joints[shape.ankle].rest),
             None => DVec3::new(0.0, -shape.ankle_height, shape.tip),
@@ -112,7 +109,7 @@ impl FootPath {
             toe_level: shape.toe_level,
             rest_yaw,
             pivot,
-            heel: rearmost,
+            heel: levelled(shape.heel_point()),
             soles,
             ankle_height: shape.ankle_height,
             has_toe: shape.toe.is_some(),
@@ -240,7 +237,8 @@ impl Swing {
         // Forwards the foot rolls off its toes; sideways and back it is picked up.
         let peak =
             if calm { 14.0 } else { 12.0 + 40.0 * forward.clamp(0.0, 0.8) + 8.0 * (distance - forward.abs()).max(0.0) };
-        let heel_off = ((if calm { 0.13 } else { 0.07 + 0.08 * forward.clamp(0.0, 1.0) }) * scale).min(0.4 * stand);
+        let heel_off = ((if calm { 0.15 } else { 0.10 + 0.06 * forward.clamp(0.0, 1.0) }) * scale).min(0.4 * stand);
+        let peak_after = (0.055 * scale).min(0.25 * duration);
         let settle = (0.065 * scale).min(0.35 * (after - step.land).max(0.0));
         let strike = if forward > 0.12 {
             -(30.0 * (forward - 0.05)).min(18.0)
@@ -254,8 +252,8 @@ impl Swing {
             land: step.land,
             heel_off,
             settle,
-            peak_after: (0.035 * scale).min(0.25 * duration),
-            peak: peak.to_radians(),
+            peak_after,
+            peak: peak.to_radians().min(FASTEST_ROLL / scale * (heel_off + peak_after)),
             strike: strike.to_radians(),
             clearance: leg * (0.045 + 0.05 * distance.min(1.0)),
             aside: detour(step, other, physique),
@@ -294,7 +292,9 @@ fn detour(step: &Step, other: &Plant, physique: &Physique) -> DVec3 {
         return DVec3::ZERO;
     }
     let gap = -rel.dot(across); // where the path lies from the stance foot, along `across`
-    let least = 0.17 * physique.leg_length;
+    // A foot that passes ahead of the other (or behind it) must clear its length, not its width alone.
+    let lengthwise = across.dot(DVec3::new(other.yaw.sin(), 0.0, other.yaw.cos())).abs();
+    let least = (0.15 * physique.leg_length).max(0.12 * physique.leg_length + 0.75 * physique.tip * lengthwise);
     // Keep to the side of the stance foot where the swing foot belongs.
     let own = step.side.sign() * across.dot(DVec3::new(other.yaw.cos(), 0.0, -other.yaw.sin())).signum();
     let sign = if gap.abs() > 0.02 * physique.leg_length { gap.signum() } else { own };

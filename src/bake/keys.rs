@@ -93,8 +93,9 @@ pub fn keyed_clip(input: &KeyInput) -> Clip {
         }
     }
     let edges = edges(input.contacts, duration);
-    for time in grid(input.fps, duration, &edges) {
-        let at = frames.times.len();
+    let grid = grid(input.fps, duration, &edges);
+    frames.curve.straighten(&grid.iter().map(|time| f64::from(*time)).collect::<Vec<f64>>());
+    for (at, time) in grid.into_iter().enumerate() {
         frames.insert(at, time);
     }
     let contacts: Vec<(&FootContact, f32, f32)> = input
@@ -104,7 +105,7 @@ pub fn keyed_clip(input: &KeyInput) -> Clip {
         .filter(|(_, start, end)| end > start)
         .collect();
     frames.bisect(&contacts, &legs);
-    frames.reduce(&edges);
+    frames.reduce(&edges, &contacts);
     frames.put_back(&contacts, &legs);
     frames.into_clip(duration, &contacts)
 }
@@ -258,8 +259,12 @@ impl<'a> Frames<'a> {
     }
 
     /// Leaves out every key that interpolation restores; edges stay in what moves the feet.
-    fn reduce(&mut self, edges: &[f32]) {
+    fn reduce(&mut self, edges: &[f32], contacts: &[(&FootContact, f32, f32)]) {
         let forced: Vec<bool> = self.times.iter().map(|time| edges.contains(time)).collect();
+        let planted = Side::BOTH.map(|side| {
+            let holds = |time: &f32| contacts.iter().any(|(contact, start, end)| contact.side == side && start <= time && time <= end);
+            self.times.iter().map(holds).collect::<Vec<bool>>()
+        });
         let times: Vec<f64> = self.times.iter().map(|time| f64::from(*time)).collect();
         for track in &mut self.tracks {
             let last = times.len() - 1;
@@ -273,7 +278,7 @@ impl<'a> Frames<'a> {
                 for frame in 1..=last {
                     if frame == last || (feet && forced[frame]) {
                         track.keep[frame] = true;
-                        track.split(&times, from, frame);
+                        track.split(&times, &planted, from, frame);
                         from = frame;
                     }
                 }
@@ -385,13 +390,15 @@ impl Track {
     }
 
     /// Keeps the worst frame between two kept ones, and so on, until all others are within tolerance.
-    fn split(&mut self, times: &[f64], from: usize, to: usize) {
+    fn split(&mut self, times: &[f64], planted: &[Vec<bool>; 2], from: usize, to: usize) {
         let mut open = vec![(from, to)];
         while let Some((from, to)) = open.pop() {
             let mut worst = (0.0, from);
             for frame in from + 1..to {
                 let share = (times[frame] - times[from]) / (times[to] - times[from]);
                 let off = self.difference(&self.between(from, to, share), &self.values[frame]);
+                let holds = !self.rotates || (0..2).any(|side| self.moves[side] && planted[side][frame]);
+                let off = if holds { off } else { off * self.tolerance / (UPPER_TOLERANCE / 2.0) };
                 if off > worst.0 {
                     worst = (off, frame);
                 }

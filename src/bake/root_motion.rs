@@ -12,6 +12,10 @@ use std::f64::consts::{PI, TAU};
 
 /// s, standard deviation of the filter on the root's path.
 const SMOOTHING: f64 = 0.2;
+/// m, how far straight pieces of the root's path may be from it.
+const KNOT_PLACE: f64 = 1.0e-3;
+/// rad, the same for its yaw: 0.1 degrees.
+const KNOT_YAW: f64 = 0.1 * PI / 180.0;
 
 /// Where the travel goes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -91,17 +95,18 @@ fn is_root_name(name: &str) -> bool {
     )
 }
 
-/// The root's path, sampled evenly and joined by cubics.
+/// The root's path, sampled evenly and joined by cubics; or by straight lines between knots.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RootCurve {
     dt: f64,
-    samples: Vec<[f64; 3]>, // x, z (m), yaw (rad)
+    samples: Vec<[f64; 3]>,    // x, z (m), yaw (rad)
+    knots: Vec<(f64, [f64; 3])>, // s; empty until straightened
 }
 
 impl RootCurve {
     /// The path for poses `dt` s apart, the first at time 0. Without `turning` the yaw stays 0.
     pub fn follow(poses: &[BodyPose], dt: f64, turning: bool) -> RootCurve {
-        let Some(first) = poses.first() else { return RootCurve { dt, samples: vec![[0.0; 3]] } };
+        let Some(first) = poses.first() else { return RootCurve { dt, samples: vec![[0.0; 3]], knots: Vec::new() } };
         let mut yaw = 0.0;
         let mut samples = Vec::with_capacity(poses.len());
         for pose in poses {
@@ -112,11 +117,45 @@ impl RootCurve {
             let place = pose.hips - DQuat::from_rotation_y(yaw) * first.hips;
             samples.push([place.x, place.z, yaw]);
         }
-        RootCurve { dt, samples: smooth(&samples, SMOOTHING / dt.max(1e-6)) }
+        RootCurve { dt, samples: smooth(&samples, SMOOTHING / dt.max(1e-6)), knots: Vec::new() }
+    }
+
+    /// Replaces the path by straight lines between as few of `times` (s, rising) as follow it closely. What the root then
+    /// does between its keys is known exactly, and the hips make up for it.
+    pub fn straighten(&mut self, times: &[f64]) {
+        let path: Vec<[f64; 3]> = times.iter().map(|time| self.smooth_at(*time)).collect();
+        let mut keep = vec![false; times.len()];
+        let mut open = vec![(0, times.len().saturating_sub(1))];
+        while let Some((from, to)) = open.pop().filter(|(from, to)| *from < path.len() && *to < path.len()) {
+            (keep[from], keep[to]) = (true, true);
+            let off = |at: usize| {
+                let share = (times[at] - times[from]) / (times[to] - times[from]);
+                let off = [0, 1, 2].map(|axis| path[at][axis] - path[from][axis] - share * (path[to][axis] - path[from][axis]));
+                (off[0].hypot(off[1]) / KNOT_PLACE).max(off[2].abs() / KNOT_YAW)
+            };
+            let worst = (from + 1..to).max_by(|a, b| off(*a).total_cmp(&off(*b)));
+            if let Some(worst) = worst.filter(|worst| off(*worst) > 1.0) {
+                open.extend([(from, worst), (worst, to)]);
+            }
+        }
+        self.knots = (0..times.len()).filter(|at| keep[*at]).map(|at| (times[at], path[at])).collect();
     }
 
     /// Where the root is at `time` (s), from rest.
     pub fn at(&self, time: f64) -> RootMove {
+        let next = self.knots.partition_point(|(knot, _)| *knot <= time);
+        let [x, z, yaw] = match (self.knots.get(next.wrapping_sub(1)), self.knots.get(next)) {
+            (Some((earlier, from)), Some((later, to))) => {
+                let share = (time - earlier) / (later - earlier);
+                [0, 1, 2].map(|axis| from[axis] + share * (to[axis] - from[axis]))
+            }
+            (Some((_, only)), None) | (None, Some((_, only))) => *only,
+            (None, None) => self.smooth_at(time),
+        };
+        RootMove { rotation: DQuat::from_rotation_y(yaw), translation: DVec3::new(x, 0.0, z) }
+    }
+
+    fn smooth_at(&self, time: f64) -> [f64; 3] {
         let last = self.samples.len() - 1;
         let place = (time / self.dt.max(1e-9)).clamp(0.0, last as f64);
         let index = (place.floor() as usize).min(last.saturating_sub(1));
@@ -132,8 +171,7 @@ impl RootCurve {
                 inside(at)
             }
         };
-        let [x, z, yaw] = [0, 1, 2].map(|axis| cubic([-1, 0, 1, 2].map(|offset| sample(offset, axis)), share));
-        RootMove { rotation: DQuat::from_rotation_y(yaw), translation: DVec3::new(x, 0.0, z) }
+        [0, 1, 2].map(|axis| cubic([-1, 0, 1, 2].map(|offset| sample(offset, axis)), share))
     }
 }
 

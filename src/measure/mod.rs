@@ -12,6 +12,7 @@ pub mod joints;
 pub mod outcome;
 pub mod plausibility;
 pub mod residual;
+pub mod score;
 pub mod support;
 pub mod zmp;
 

@@ -144,7 +144,7 @@ pub struct HeldPoint {
 }
 
 /// The points that a contact of that part holds still. Flat: ankle and toe joints; ball: the toe joint; heel: the
-/// rearmost vertex of the sole. A foot without toe joint turns about the tip of its sole, so that is held instead.
+/// rearmost point of the sole ([`FootShape::heel_point`]). A foot without toe joint turns about the tip of its sole, so that is held instead.
 pub fn held_points(body: &Body, side: Side, part: Part) -> Vec<HeldPoint> {
     let foot = &body.feet[side as usize];
     let ankle = HeldPoint { joint: foot.ankle, offset: DVec3::ZERO };
@@ -155,12 +155,7 @@ pub fn held_points(body: &Body, side: Side, part: Part) -> Vec<HeldPoint> {
     match part {
         Part::Flat => vec![ankle, toe],
         Part::Ball => vec![toe],
-        Part::Heel => {
-            let vertices = foot.rear_sole.iter().copied();
-            let rearmost = vertices.min_by(|a, b| along(foot, *a).total_cmp(&along(foot, *b)));
-            let offset = rearmost.unwrap_or_else(|| levelled_point(foot, foot.heel, 0.0, 0.0));
-            vec![HeldPoint { joint: foot.ankle, offset }]
-        }
+        Part::Heel => vec![HeldPoint { joint: foot.ankle, offset: foot.heel_point() }],
     }
 }
 

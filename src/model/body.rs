@@ -122,6 +122,27 @@ pub struct FootShape {
     pub front_sole: Vec<DVec3>,
 }
 
+impl FootShape {
+    /// The rearmost point of the sole that stands on level ground (within 3 mm): an offset from the ankle at rest, rigid
+    /// with the foot joint. A heel's rounded back hangs over the ground and holds nothing.
+    pub fn heel_point(&self) -> DVec3 {
+        let levelled = |vertex: &DVec3| self.level * *vertex;
+        let along = |vertex: &DVec3| {
+            let at = levelled(vertex);
+            at.x * self.forward.x + at.z * self.forward.y
+        };
+        self.rear_sole
+            .iter()
+            .filter(|vertex| levelled(vertex).y < -self.ankle_height + 0.003)
+            .min_by(|a, b| along(a).total_cmp(&along(b)))
+            .copied()
+            .unwrap_or_else(|| {
+                let back = self.forward * self.heel;
+                self.level.inverse() * DVec3::new(back.x, -self.ankle_height, back.y)
+            })
+    }
+}
+
 impl Body {
     /// Index of that role's joint.
     pub fn joint(&self, role: Role) -> Option<usize> {

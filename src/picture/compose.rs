@@ -146,15 +146,19 @@ fn picture(frame: &Frame, camera: &Camera, width: usize, height: usize) -> RgbaI
     let lamp = (lights.key + DVec3::Y * 1.4).normalize();
     let shadow = GroundShadow::cast(&frame.surfaces, lamp);
     let mut canvas = Canvas::new(width, height);
-    canvas.background(camera, shadow.as_ref());
+    canvas.background(camera);
     marks::draw_ground(&mut canvas, camera, &frame.overlay);
+    if let Some(shadow) = &shadow {
+        canvas.shade_ground(camera, shadow);
+    }
     for surface in &frame.surfaces {
         canvas.surface(camera, &lights, surface, true);
     }
     marks::draw_pushes(&mut canvas, camera, &lights, &frame.overlay, &frame.surfaces);
     canvas.ink();
     let mut image = canvas.resolve();
-    marks::draw_points(&mut image, camera, &frame.overlay);
+    let size = (height as f64 / 214.0).sqrt().clamp(0.75, 1.25);
+    marks::draw_points(&mut image, camera, &frame.overlay, size);
     image
 }
 
@@ -277,7 +281,7 @@ fn draw_legend(image: &mut RgbaImage, left: f32) {
     };
     paint::quartered(image, spot(0, 0), 5.0);
     word(image, spot(0, 0), "centre of mass");
-    marks::draw_xi(image, spot(0, 1));
+    marks::draw_xi(image, spot(0, 1), 1.0);
     word(image, spot(0, 1), "extrapolated");
     paint::disc(image, spot(1, 0), 3.6, Ink(INK, 0.9));
     paint::disc(image, spot(1, 0), 2.4, Ink(marks::COP, 1.0));

@@ -17,6 +17,9 @@ pub const XI: [u8; 3] = [206, 24, 178];
 /// sRGB of the centre of pressure.
 pub const COP: [u8; 3] = [255, 255, 255];
 
+/// m; what lies further out from a pushed bone is no longer the body's surface there.
+const DEEPEST: f64 = 0.28;
+
 /// The marks of one moment.
 #[derive(Clone, Debug, Default)]
 pub struct Overlay {
@@ -161,51 +164,72 @@ pub fn arrow_length(force: f64) -> f64 {
 pub fn arrow_ends(push: &Push, surfaces: &[Surface]) -> (DVec3, DVec3) {
     let along = push.force.normalize_or(DVec3::X);
     let mut reach: f64 = 0.02;
-    for point in surfaces.iter().flat_map(|surface| &surface.positions) {
-        let off = *point - push.point;
-        let back = -off.dot(along);
-        if back > reach && back < 0.35 && (off + along * back).length() < 0.07 {
-            reach = back;
+    for surface in surfaces {
+        for triangle in surface.indices.chunks_exact(3) {
+            let corner = |at: usize| surface.positions.get(triangle[at] as usize).copied();
+            let (Some(a), Some(b), Some(c)) = (corner(0), corner(1), corner(2)) else { continue };
+            if let Some(far) = meets(push.point, -along, [a, b, c]).filter(|far| *far < DEEPEST) {
+                reach = reach.max(far);
+            }
         }
     }
     let tip = push.point - along * (reach + 0.01);
     (tip - along * arrow_length(push.force.length()), tip)
 }
 
+/// How far along a ray it meets a triangle, m (Möller and Trumbore).
+fn meets(from: DVec3, along: DVec3, [a, b, c]: [DVec3; 3]) -> Option<f64> {
+    let (ab, ac) = (b - a, c - a);
+    let cross = along.cross(ac);
+    let volume = ab.dot(cross);
+    if volume.abs() < 1e-12 {
+        return None;
+    }
+    let off = from - a;
+    let u = off.dot(cross) / volume;
+    let turn = off.cross(ab);
+    let v = along.dot(turn) / volume;
+    let far = ac.dot(turn) / volume;
+    (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && far > 0.0).then_some(far)
+}
+
 /// The arrows as solid things in the scene.
 pub fn draw_pushes(canvas: &mut Canvas, camera: &Camera, lights: &Lights, overlay: &Overlay, surfaces: &[Surface]) {
     for push in &overlay.pushes {
         let (tail, tip) = arrow_ends(push, surfaces);
-        canvas.surface(camera, lights, &arrow(tail, tip, 0.024, linear(PUSH)), false);
+        let arrow = arrow(tail, tip, 0.024, linear(PUSH));
+        canvas.ghost(camera, &arrow, 0.35);
+        canvas.surface(camera, lights, &arrow, false);
     }
 }
 
-/// Marks that stay legible: drawn flat over the finished picture.
-pub fn draw_points(image: &mut RgbaImage, camera: &Camera, overlay: &Overlay) {
+/// Marks that stay legible: drawn flat over the finished picture, `size` times as large as on a common sheet.
+pub fn draw_points(image: &mut RgbaImage, camera: &Camera, overlay: &Overlay, size: f64) {
     let ground = |at: DVec2| camera.project(DVec3::new(at.x, 0.0, at.y)).map(|(point, _)| point);
     if let Some(com) = overlay.com
         && let (Some((point, _)), Some(below)) = (camera.project(com), ground(flat(com)))
     {
         paint::dashed(image, point, below, 1.2, Ink([20, 22, 26], 0.75));
         paint::disc(image, below, 1.8, Ink([20, 22, 26], 0.9));
-        paint::quartered(image, point, 5.0);
+        paint::quartered(image, point, 5.0 * size);
     }
     if let Some(point) = overlay.cop.and_then(ground) {
-        paint::disc(image, point, 3.6, Ink([20, 22, 26], 0.9));
-        paint::disc(image, point, 2.4, Ink(COP, 1.0));
+        paint::disc(image, point, 3.4 * size, Ink([20, 22, 26], 0.9));
+        paint::disc(image, point, 2.2 * size, Ink(COP, 1.0));
     }
     if let Some(point) = overlay.xi.and_then(ground) {
-        draw_xi(image, point);
+        draw_xi(image, point, size);
     }
 }
 
 /// The mark of ξ: a ring with a cross.
-pub fn draw_xi(image: &mut RgbaImage, point: DVec2) {
-    paint::ring(image, point, 4.6, 3.4, Ink([255, 255, 255], 0.85));
-    for (from, to) in [((-6.5, 0.0), (6.5, 0.0)), ((0.0, -6.5), (0.0, 6.5))] {
-        paint::line(image, point + DVec2::from(from), point + DVec2::from(to), 1.2, Ink(XI, 0.95));
+pub fn draw_xi(image: &mut RgbaImage, point: DVec2, size: f64) {
+    let (radius, arm) = (3.9 * size, 6.0 * size);
+    paint::ring(image, point, radius, 3.0 * size, Ink([255, 255, 255], 0.85));
+    for (from, to) in [((-1.0, 0.0), (1.0, 0.0)), ((0.0, -1.0), (0.0, 1.0))] {
+        paint::line(image, point + DVec2::from(from) * arm, point + DVec2::from(to) * arm, 1.1, Ink(XI, 0.95));
     }
-    paint::ring(image, point, 4.6, 1.7, Ink(XI, 1.0));
+    paint::ring(image, point, radius, 1.6 * size, Ink(XI, 1.0));
 }
 
 /// Two small soles, the lower right corner at `corner`: filled where the foot holds, hollow in the air. Toes point down

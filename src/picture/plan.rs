@@ -85,7 +85,7 @@ pub fn draw(frame: &Frame, trail: &Trail, scale: &PlanScale, width: u32, height:
         paint::quartered(&mut image, place(flat(com)), 4.2);
     }
     if let Some(xi) = overlay.xi {
-        marks::draw_xi(&mut image, place(xi));
+        marks::draw_xi(&mut image, place(xi), 0.9);
     }
     image
 }

@@ -130,15 +130,15 @@ impl Canvas {
         }
     }
 
-    /// Sky, and the ground with squares that fade towards the horizon and the body's shadow on it. The squares are averaged
-    /// over each pixel by formula, so one look a pixel is enough.
-    pub fn background(&mut self, camera: &Camera, shadow: Option<&GroundShadow>) {
+    /// Sky, and the ground with squares that fade towards the horizon. The squares are averaged over each pixel by formula,
+    /// so one look a pixel is enough.
+    pub fn background(&mut self, camera: &Camera) {
         let columns = self.width * SAMPLES;
         let step = 1.0 / SAMPLES as f64;
         let below = -GROUND_DROP - camera.eye.y;
         for y in 0..self.height {
             for x in 0..self.width {
-                let color = backdrop(camera, DVec2::new(x as f64 + 0.5, y as f64 + 0.5), shadow);
+                let color = backdrop(camera, DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
                 for row in y * SAMPLES..(y + 1) * SAMPLES {
                     let first = row * columns + x * SAMPLES;
                     // 1/depth of a plane is linear in the picture.
@@ -148,6 +148,49 @@ impl Canvas {
                     self.nearness[first..first + SAMPLES].fill(nearness);
                 }
             }
+        }
+    }
+
+    /// The body's shadow on the ground and on what is painted there; before the body itself is drawn.
+    pub fn shade_ground(&mut self, camera: &Camera, shadow: &GroundShadow) {
+        let columns = self.width * SAMPLES;
+        let below = -camera.eye.y;
+        for y in 0..self.height {
+            for x in 0..self.width {
+                let ray = camera.ray(DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
+                if ray.y * below <= 1e-9 {
+                    continue;
+                }
+                let point = camera.eye + ray * (below / ray.y);
+                let dark = shadow.at(point.x, point.z);
+                if dark > 0.0 {
+                    for row in y * SAMPLES..(y + 1) * SAMPLES {
+                        let first = row * columns + x * SAMPLES;
+                        for color in &mut self.color[first..first + SAMPLES] {
+                            *color = color.lerp(SHADOW_TINT, dark);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Lets a thing shine through what hides it.
+    pub fn ghost(&mut self, camera: &Camera, surface: &Surface, alpha: f32) {
+        let projected: Vec<Option<(DVec2, f64)>> =
+            surface.positions.iter().map(|point| camera.project(*point)).collect();
+        let mut hidden = std::collections::BTreeSet::new();
+        for triangle in surface.indices.chunks_exact(3) {
+            let corner = |at: usize| projected.get(triangle[at] as usize).copied().flatten();
+            let (Some(a), Some(b), Some(c)) = (corner(0), corner(1), corner(2)) else { continue };
+            self.fill([a, b, c], |canvas, sample, nearness, _| {
+                if nearness <= canvas.nearness[sample] {
+                    hidden.insert(sample);
+                }
+            });
+        }
+        for sample in hidden {
+            self.color[sample] = self.color[sample].lerp(Vec3::from(surface.color), alpha);
         }
     }
 
@@ -322,7 +365,7 @@ pub fn to_linear(byte: u8) -> f32 {
 }
 
 /// What is seen at a pixel where nothing stands.
-fn backdrop(camera: &Camera, pixel: DVec2, shadow: Option<&GroundShadow>) -> Vec3 {
+fn backdrop(camera: &Camera, pixel: DVec2) -> Vec3 {
     let ray = camera.ray(pixel);
     let below = -GROUND_DROP - camera.eye.y;
     let distance = if ray.y * below > 1e-9 { below / ray.y } else { -1.0 };
@@ -339,9 +382,6 @@ fn backdrop(camera: &Camera, pixel: DVec2, shadow: Option<&GroundShadow>) -> Vec
     let square = checker(point.x, covers.x) * checker(point.z, covers.y);
     let mut color = TILE_DARK.lerp(TILE_LIGHT, (0.5 + 0.5 * square) as f32);
     color *= 1.0 - 0.20 * grid_line(point.x, covers.x).max(grid_line(point.z, covers.y)) as f32;
-    if let Some(shadow) = shadow {
-        color = color.lerp(SHADOW_TINT, shadow.at(point.x, point.z));
-    }
     let fade = 1.0 - (-((distance - 5.0).max(0.0) / 14.0)).exp();
     color.lerp(SKY_LOW, fade as f32)
 }
@@ -382,23 +422,26 @@ fn grid_line(at: f64, width: f64) -> f64 {
     ((high - low) / width).clamp(0.0, 1.0)
 }
 
-/// Bilinear, repeating: linear RGB and alpha.
+/// Repeating; bilinear where the texture is coarse (the samples of a pixel average a fine one): linear RGB and alpha.
 fn sample_texture(image: &RgbaImage, u: f32, v: f32) -> (Vec3, f32) {
     let (width, height) = image.dimensions();
     if width == 0 || height == 0 || !u.is_finite() || !v.is_finite() {
         return (Vec3::ONE, 1.0);
     }
-    let x = u.rem_euclid(1.0) * width as f32 - 0.5;
-    let y = v.rem_euclid(1.0) * height as f32 - 0.5;
-    let (fx, fy) = (x - x.floor(), y - y.floor());
-    let texel = |dx: i64, dy: i64| {
-        let px = (x.floor() as i64 + dx).rem_euclid(i64::from(width)) as u32;
-        let py = (y.floor() as i64 + dy).rem_euclid(i64::from(height)) as u32;
-        let Rgba([r, g, b, a]) = *image.get_pixel(px, py);
+    let (x, y) = (u.rem_euclid(1.0) * width as f32, v.rem_euclid(1.0) * height as f32);
+    let texel = |px: u32, py: u32| {
+        let Rgba([r, g, b, a]) = *image.get_pixel(px % width, py % height);
         (Vec3::new(LINEAR[r as usize], LINEAR[g as usize], LINEAR[b as usize]), f32::from(a) / 255.0)
     };
+    if width.min(height) >= 256 {
+        return texel(x as u32, y as u32);
+    }
+    // From texel centres, moved by a whole turn so that the first is never negative.
+    let (x, y) = (x + width as f32 - 0.5, y + height as f32 - 0.5);
+    let (fx, fy) = (x.fract(), y.fract());
+    let (px, py) = (x as u32, y as u32);
     let mix = |one: (Vec3, f32), two: (Vec3, f32), at: f32| (one.0.lerp(two.0, at), one.1 + (two.1 - one.1) * at);
-    mix(mix(texel(0, 0), texel(1, 0), fx), mix(texel(0, 1), texel(1, 1), fx), fy)
+    mix(mix(texel(px, py), texel(px + 1, py), fx), mix(texel(px, py + 1), texel(px + 1, py + 1), fx), fy)
 }
 
 /// [`to_linear`] of every byte.

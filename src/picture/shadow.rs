@@ -21,7 +21,7 @@ pub struct GroundShadow {
 /// m, side of a square of the grid.
 const CELL: f64 = 0.012;
 /// m, the top of each band of height, its blur and how dark it gets.
-const BANDS: [(f64, f64, f32); 4] = [(0.06, 0.012, 0.50), (0.30, 0.035, 0.34), (0.90, 0.085, 0.26), (9.0, 0.16, 0.20)];
+const BANDS: [(f64, f64, f32); 4] = [(0.07, 0.010, 0.62), (0.30, 0.030, 0.50), (0.90, 0.065, 0.46), (9.0, 0.12, 0.40)];
 /// Squares; a larger patch is not drawn (a body flung apart by bad data).
 const LARGEST: usize = 700;
 

@@ -119,6 +119,13 @@ pub fn derive(input: &BodyInput) -> DerivedBody {
     DerivedBody { body, joint_nodes, warnings, confidence_factor }
 }
 
+/// The mass that a document states for its character: `scenes[scene].extras.surefoot.mass_kg`, kg. The built-in rig does.
+pub fn stated_mass(document: &serde_json::Value) -> Option<f64> {
+    let scene = document.get("scene").and_then(serde_json::Value::as_u64).unwrap_or(0);
+    let extras = document.get("scenes")?.get(usize::try_from(scene).ok()?)?.get("extras")?;
+    extras.get("surefoot")?.get("mass_kg")?.as_f64().filter(|mass| mass.is_finite() && *mass > 0.0)
+}
+
 fn leg_roles(side: Side) -> [Role; 4] {
     match side {
         Side::Left => [Role::LeftUpperLeg, Role::LeftLowerLeg, Role::LeftFoot, Role::LeftToes],
@@ -320,5 +327,141 @@ impl Skin {
 impl SkinVertex {
     fn share(&self, role: Role) -> f64 {
         self.shares.iter().filter(|entry| entry.0 == Some(role)).map(|entry| entry.1).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DMat3, DVec2};
+
+    /// Joints of the template, both sides, for 1.7 m; node indices are their order.
+    fn bones(roles: &[Role]) -> BTreeMap<Role, (usize, DVec3)> {
+        let mut list = BTreeMap::new();
+        for (node, role) in roles.iter().enumerate() {
+            let place = template(*role) * 1.7;
+            let place = if role.name().starts_with("right") { DVec3::new(-place.x, place.y, place.z) } else { place };
+            list.insert(*role, (node, place));
+        }
+        list
+    }
+
+    fn with_feet_and_hands() -> Vec<Role> {
+        let mut roles = Role::REQUIRED.to_vec();
+        roles.extend([Role::LeftHand, Role::RightHand, Role::LeftFoot, Role::RightFoot]);
+        roles
+    }
+
+    /// A box of a mesh with all its weight on one node.
+    fn block(node: usize, low: DVec3, high: DVec3) -> MeshPart {
+        let corner = |bit: usize, of: usize, a: f64, b: f64| if of >> bit & 1 == 0 { a } else { b };
+        let positions: Vec<DVec3> = (0..8)
+            .map(|of| {
+                DVec3::new(corner(0, of, low.x, high.x), corner(1, of, low.y, high.y), corner(2, of, low.z, high.z))
+            })
+            .collect();
+        let weights = vec![[(node, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)]; 8];
+        MeshPart { positions, weights, ..MeshPart::default() }
+    }
+
+    fn derive_from(bones: &BTreeMap<Role, (usize, DVec3)>, mesh: &[MeshPart], mass: Option<f64>) -> DerivedBody {
+        let parents = vec![None; 64];
+        derive(&BodyInput { bones, mesh, parents: &parents, mass })
+    }
+
+    #[test]
+    fn segments_weigh_what_the_body_weighs_and_stand_upright() {
+        let derived = derive_from(&bones(&with_feet_and_hands()), &[], Some(80.0));
+        let body = &derived.body;
+        let sum: f64 = body.segments.iter().map(|segment| segment.mass).sum();
+        assert!((sum - 80.0).abs() < 1e-9, "{sum}");
+        assert!((body.height - 1.7).abs() < 1e-9, "{}", body.height);
+        let centre: DVec3 = body
+            .segments
+            .iter()
+            .map(|segment| (body.joints[segment.joint].rest + segment.centre) * segment.mass)
+            .sum::<DVec3>()
+            / sum;
+        // Standing men have it at 0.56 of their height, over their feet.
+        assert!((0.53..0.59).contains(&(centre.y / 1.7)), "centre of mass at {}", centre.y);
+        assert!(centre.x.abs() < 1e-12 && centre.z.abs() < 0.05, "{centre}");
+        assert_eq!(derived.joint_nodes.iter().flatten().count(), 15);
+    }
+
+    #[test]
+    fn a_symmetric_rig_gives_a_symmetric_body() {
+        let derived = derive_from(&bones(&with_feet_and_hands()), &[], None);
+        let body = derived.body;
+        let flip = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
+        for segment in &body.segments {
+            let role = body.joints[segment.joint].role;
+            let twin = body
+                .segments
+                .iter()
+                .find(|other| body.joints[other.joint].role == role.mirrored() && other.mass == segment.mass)
+                .expect("each segment has a twin");
+            assert_eq!(flip * segment.centre, twin.centre, "{role:?}");
+            assert_eq!(flip * segment.inertia * flip, twin.inertia, "{role:?}");
+        }
+        let [left, right] = &body.feet;
+        assert_eq!((left.heel, left.tip, left.half_width), (right.heel, right.tip, right.half_width));
+        for (one, other) in left.rear_sole.iter().zip(&right.rear_sole) {
+            let mirrored = right.rear_sole.iter().any(|point| flip * *point == *one);
+            assert!(mirrored, "{one} has no twin like {other}");
+        }
+    }
+
+    #[test]
+    fn a_leg_without_a_foot_gets_one_from_the_shank_mesh() {
+        let found = bones(&Role::REQUIRED);
+        let (shank, knee) = found[&Role::LeftLowerLeg];
+        let leg = block(shank, DVec3::new(knee.x - 0.05, 0.0, -0.07), DVec3::new(knee.x + 0.05, knee.y, 0.17));
+        let derived = derive_from(&found, &[leg], None);
+        let body = &derived.body;
+        let foot = &body.feet[Side::Left as usize];
+        let ankle = &body.joints[foot.ankle];
+        assert_eq!((ankle.role, ankle.animated, foot.toe), (Role::LeftFoot, false, None));
+        assert!((ankle.rest.y - foot.ankle_height).abs() < 1e-9, "the sole is on the ground: {}", foot.ankle_height);
+        assert!((foot.tip - foot.heel - 0.24).abs() < 1e-9, "{} to {}", foot.heel, foot.tip);
+        assert!(derived.warnings.iter().any(|warning| warning.contains("leftFoot")), "{:?}", derived.warnings);
+        assert!(derived.confidence_factor < 0.95, "{}", derived.confidence_factor);
+    }
+
+    #[test]
+    fn the_height_is_the_skull_and_not_the_feather() {
+        let found = bones(&with_feet_and_hands());
+        let head = found[&Role::Head].0;
+        let skull = block(head, DVec3::new(-0.08, 1.48, -0.1), DVec3::new(0.08, 1.72, 0.1));
+        let feather = block(head, DVec3::new(-0.005, 1.72, -0.005), DVec3::new(0.005, 2.1, 0.005));
+        let plain = derive_from(&found, std::slice::from_ref(&skull), None);
+        let adorned = derive_from(&found, &[skull, feather], None);
+        assert!((plain.body.height - 1.72).abs() < 1e-9, "{}", plain.body.height);
+        assert!((adorned.body.height - 1.72).abs() < 1e-9, "{}", adorned.body.height);
+        assert!((plain.body.mass - 23.0 * 1.72f64.powi(2)).abs() < 1e-9, "{}", plain.body.mass);
+    }
+
+    #[test]
+    fn vertices_of_unmapped_nodes_count_for_the_bone_above() {
+        let found = bones(&with_feet_and_hands());
+        let (foot, ankle) = found[&Role::RightFoot];
+        // Node 40 is a leaf on 41, which is a leaf on the foot.
+        let mut parents = vec![None; 64];
+        parents[40] = Some(41);
+        parents[41] = Some(foot);
+        let sole = block(40, ankle + DVec3::new(-0.05, -ankle.y, -0.06), ankle + DVec3::new(0.05, 0.0, 0.19));
+        let derived = derive(&BodyInput { bones: &found, mesh: &[sole], parents: &parents, mass: None });
+        let shape = &derived.body.feet[Side::Right as usize];
+        assert!((shape.tip - 0.19).abs() < 1e-9 && (shape.half_width - 0.05).abs() < 1e-9, "{shape:?}");
+        assert_eq!(shape.forward, DVec2::Y);
+    }
+
+    #[test]
+    fn an_empty_rig_and_a_looped_one_make_no_panic() {
+        let derived = derive(&BodyInput { bones: &BTreeMap::new(), mesh: &[], parents: &[], mass: Some(f64::NAN) });
+        assert!(derived.body.mass > 0.0 && derived.body.segments.iter().all(|segment| segment.centre.is_finite()));
+        let found = bones(&with_feet_and_hands());
+        let mesh = [block(50, DVec3::ZERO, DVec3::ONE)];
+        let parents = vec![Some(50); 64];
+        derive(&BodyInput { bones: &found, mesh: &mesh, parents: &parents, mass: None });
     }
 }

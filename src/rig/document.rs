@@ -36,9 +36,11 @@ impl Document {
         let json: Value = serde_json::from_slice(json_bytes)
             .map_err(|error| Fault::new("JSON", format!("{error}: not valid JSON")).in_file(file))?;
         check_head(file, &json)?;
-        let mut document = Document { json, buffers: Vec::new(), glb_buffer: false, images: Vec::new() };
+        let mut document =
+            Document { json, buffers: Vec::new(), glb_buffer: false, images: Vec::new(), image_files: Vec::new() };
         document.resolve_buffers(binary, resolve).map_err(|fault| fault.in_file(file))?;
         document.images = vec![None; document.list("images").len()];
+        document.image_files = super::images::files(&document, resolve);
         Ok(document)
     }
 

@@ -23,6 +23,13 @@ pub fn decode(document: &mut Document, parts: &[MeshPart], resolve: &Resolve) {
     }
 }
 
+/// The files of images with a uri of their own, undecoded, by image index: an exported GLB takes them in.
+pub fn files(document: &Document, resolve: &Resolve) -> Vec<Option<Vec<u8>>> {
+    let uri = |image: &serde_json::Value| image.get("uri").and_then(|uri| uri.as_str().map(str::to_owned));
+    let outer = |uri: &String| !uri.starts_with("data:");
+    document.list("images").iter().map(|image| fetch(&uri(image).filter(outer)?, resolve).ok()).collect()
+}
+
 fn bytes(document: &Document, index: usize, resolve: &Resolve) -> Option<Vec<u8>> {
     let image = document.list("images").get(index)?;
     match image.get("bufferView").and_then(as_index) {

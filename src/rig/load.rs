@@ -3,7 +3,7 @@
 //! `load` is the only function of the folder that touches the disk: the rig file, what it points to beside itself, and the
 //! override file `hero.bones.toml`.
 
-use super::body::{BodyInput, derive};
+use super::body::{BodyInput, derive, stated_mass};
 use super::document::Resolve;
 use super::nodes::globals;
 use super::{Document, Mapping, Rig, RigError, bind, images, mapping, mesh, nodes, overrides, space};
@@ -44,7 +44,7 @@ pub fn load_bytes(name: &str, bytes: &[u8], resolve: &Resolve, overrides: Option
         mesh::read_parts(&document, &nodes, &skins, &bind_globals).map_err(|fault| fault.in_file(name))?;
     warnings.extend(notes);
 
-    let found = mapping::find(name, &document, &nodes, &skins, &bind_globals, &parts, overrides)?;
+    let found = mapping::find(name, &document, &nodes, &skins, &bind_globals, overrides)?;
     warnings.extend(found.warnings);
     let mut bones = found.bones;
     let positions: Vec<_> = bind_globals.iter().map(|global| global.translation).collect();
@@ -61,7 +61,8 @@ pub fn load_bytes(name: &str, bytes: &[u8], resolve: &Resolve, overrides: Option
     let places: BTreeMap<Role, _> =
         bones.iter().map(|(role, node)| (*role, (*node, similarity.inverse_point(positions[*node])))).collect();
     let parents: Vec<Option<usize>> = nodes.iter().map(|node| node.parent).collect();
-    let derived = derive(&BodyInput { bones: &places, mesh: &parts, parents: &parents, mass: None });
+    let mass = stated_mass(&document.json);
+    let derived = derive(&BodyInput { bones: &places, mesh: &parts, parents: &parents, mass });
     warnings.extend(derived.warnings);
     images::decode(&mut document, &parts, resolve);
     warnings.dedup();

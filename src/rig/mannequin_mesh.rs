@@ -92,8 +92,7 @@ impl Surface {
         Surface { triangles: vec![Vec::new(); materials], ..Surface::default() }
     }
 
-    /// A closed tube through the table's rings, `between` more rings in each gap, and its mirror image where `both`:
-    /// weights come from the place of each vertex, `mirror` exchanges left and right joints.
+    /// A closed tube through the table's rings, `between` more rings in each gap; `weigh` gives a vertex its weights by its place.
     pub fn tube(&mut self, table: &[Ring], between: usize, sides: usize, weigh: &dyn Fn(DVec3) -> Vec<Share>) {
         let mut rings: Vec<Ring> = Vec::new();
         for index in 0..table.len() {
@@ -119,7 +118,7 @@ impl Surface {
         // Rings whose left and front lie so that left x front runs along the path wind the other way.
         let along = last.centre - first.centre;
         let flip = first.left.cross(first.front).dot(along) < 0.0;
-        let mut put = |surface: &mut Surface, material: usize, mut corners: [u32; 3]| {
+        let put = |surface: &mut Surface, material: usize, mut corners: [u32; 3]| {
             if flip {
                 corners.swap(1, 2);
             }
@@ -164,7 +163,7 @@ impl Surface {
         }
     }
 
-    /// Smooth normals: the mean of the faces around, by their angle's size in area.
+    /// Smooth normals: the mean of the faces around, by area.
     pub fn shade(&mut self) {
         let mut normals = vec![DVec3::ZERO; self.positions.len()];
         for corner in self.triangles.iter().flat_map(|list| list.chunks_exact(3)) {

@@ -3,7 +3,7 @@
 
 use super::bind::Skin;
 use super::nodes::is_under;
-use super::{Document, MeshPart, RigError, RigNode, names, overrides, space, vrm};
+use super::{Document, RigError, RigNode, geometry, names, overrides, space, vrm};
 use crate::model::Role;
 use glam::{DAffine3, DVec3};
 use std::collections::BTreeMap;
@@ -33,7 +33,6 @@ pub fn find(
     nodes: &[RigNode],
     skins: &[Skin],
     bind: &[DAffine3],
-    parts: &[MeshPart],
     override_text: Option<&str>,
 ) -> Result<Found, RigError> {
     let positions: Vec<DVec3> = bind.iter().map(|global| global.translation).collect();
@@ -68,6 +67,17 @@ pub fn find(
             warnings: without,
         });
     }
+    let mut refusal: Option<String> = None;
+    match geometry::guess(document, nodes, skins, &positions) {
+        Ok(bones) => answers.push(Found {
+            method: "geometry".into(),
+            confidence: 0.7,
+            bones,
+            sides_known: false,
+            warnings: Vec::new(),
+        }),
+        Err(why) => refusal = why.filter(|_| answers.is_empty()),
+    }
     answers.push(Found {
         method: "override".into(),
         confidence: 1.0,
@@ -75,7 +85,6 @@ pub fn find(
         sides_known: true,
         warnings: Vec::new(),
     });
-    let mut refusal: Option<String> = None;
     let mut fewest: Option<Vec<Role>> = None;
     for mut answer in answers {
         speak(&mut answer, &spoken);
@@ -106,12 +115,14 @@ pub fn find(
         answer.warnings.splice(0..0, warnings);
         return Ok(answer);
     }
-    let _ = parts;
     match refusal {
         Some(reason) => Err(RigError::NotHumanoid { file: name.into(), reason, overrides: beside }),
         None => Err(RigError::MissingBones {
             file: name.into(),
-            missing: fewest.unwrap_or_default(),
+            missing: names::nearest(nodes, &rank, &given)
+                .filter(|nearest| fewest.as_ref().is_none_or(|fewest| nearest.len() <= fewest.len()))
+                .or(fewest)
+                .unwrap_or_default(),
             seen: seen(nodes),
             overrides: beside,
         }),

@@ -10,6 +10,7 @@ pub mod body;
 pub mod clips;
 pub mod document;
 pub mod error;
+pub mod geometry;
 pub mod images;
 pub mod inspect;
 pub mod load;

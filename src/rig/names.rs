@@ -17,8 +17,8 @@ const TABLES: [&str; 12] = [
     include_str!("../../rigs/names/04_biped.toml"),
     include_str!("../../rigs/names/05_cc.toml"),
     include_str!("../../rigs/names/06_daz.toml"),
-    include_str!("../../rigs/names/07_vrm.toml"),
     include_str!("../../rigs/names/08_kaykit.toml"),
+    include_str!("../../rigs/names/07_vrm.toml"),
     include_str!("../../rigs/names/09_biovision.toml"),
     include_str!("../../rigs/names/10_smpl.toml"),
     include_str!("../../rigs/names/11_cmu.toml"),
@@ -30,7 +30,7 @@ const TABLES: [&str; 12] = [
 pub struct NameMatch {
     /// The convention.
     pub table: String,
-    /// Role to node, all required ones but `without`.
+    /// Role to node.
     pub bones: BTreeMap<Role, usize>,
     /// Required roles that this convention has no bone for.
     pub without: Vec<Role>,
@@ -59,24 +59,36 @@ struct Table {
 /// The best match among all tables that have every required bone. `rank`: of nodes with one name the highest is taken.
 /// Roles of `given` need not be found: a person has named them.
 pub fn match_tables(nodes: &[RigNode], rank: &[u8], given: &[Role]) -> Option<NameMatch> {
+    let whole = tries(nodes, rank).into_iter().filter(|found| lacking(found, given).is_empty());
+    // Of equals the earlier table.
+    whole.reduce(|best, found| if found.bones.len() > best.bones.len() { found } else { best })
+}
+
+/// The required bones that the nearest table does not find, where it finds some.
+pub fn nearest(nodes: &[RigNode], rank: &[u8], given: &[Role]) -> Option<Vec<Role>> {
+    tries(nodes, rank).iter().map(|found| lacking(found, given)).min_by_key(Vec::len)
+}
+
+fn lacking(found: &NameMatch, given: &[Role]) -> Vec<Role> {
+    let known = |role: &Role| found.bones.contains_key(role) || found.without.contains(role) || given.contains(role);
+    Role::REQUIRED.into_iter().filter(|role| !known(role)).collect()
+}
+
+/// What each table finds under each reading of the names; hips at least.
+fn tries(nodes: &[RigNode], rank: &[u8]) -> Vec<NameMatch> {
     let schemes = schemes(nodes, rank);
-    let mut best: Option<(usize, NameMatch)> = None;
+    let mut found = Vec::new();
     for text in TABLES {
         let table: Table = toml::from_str(text).expect("the tables in rigs/names are read by a test");
         for index in &schemes {
             for prefix in &table.prefixes {
                 for sides in std::iter::once(&table.sides).chain(&table.other_sides) {
-                    let Some(found) = try_table(&table, &canonical(prefix), sides, index, nodes, given) else {
-                        continue;
-                    };
-                    if best.as_ref().is_none_or(|(count, _)| found.bones.len() > *count) {
-                        best = Some((found.bones.len(), found));
-                    }
+                    found.extend(try_table(&table, &canonical(prefix), sides, index, nodes));
                 }
             }
         }
     }
-    best.map(|(_, found)| found)
+    found
 }
 
 /// Gives the bones between hips and neck (from below) their roles: the first is the spine, the last the upper chest.
@@ -101,7 +113,6 @@ fn try_table(
     sides: &[String; 2],
     index: &BTreeMap<String, usize>,
     nodes: &[RigNode],
-    given: &[Role],
 ) -> Option<NameMatch> {
     let find = |name: &str| index.get(&format!("{prefix}{}", canonical(name))).copied();
     let mut bones = BTreeMap::new();
@@ -138,8 +149,7 @@ fn try_table(
         taken.push(*node);
         free
     });
-    let known = |role: &Role| bones.contains_key(role) || without.contains(role) || given.contains(role);
-    Role::REQUIRED.iter().all(known).then(|| NameMatch { table: table.name.clone(), bones, without })
+    Some(NameMatch { table: table.name.clone(), bones, without })
 }
 
 /// Ways to read the names of a file: each maps canonical names to nodes.

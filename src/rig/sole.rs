@@ -298,9 +298,9 @@ fn heading(input: &FootInput, points: &[DVec3], level: DQuat) -> DVec2 {
 fn resting_normal(points: &[DVec3], at: DVec2) -> DVec3 {
     let Some((lowest, _)) = extent(points.iter().map(|point| point.y)) else { return DVec3::Y };
     let reach = 10.0;
-    let wall = lowest - reach * STEEPEST;
+    let wall = lowest + reach * STEEPEST;
     let local = |point: DVec3| DVec3::new(point.x - at.x, point.y, point.z - at.y);
-    // Far low points bound the slope.
+    // Far points bound the slope.
     let mut active: Vec<DVec3> = vec![
         DVec3::new(reach, wall, 0.0),
         DVec3::new(-reach, wall, 0.0),
@@ -410,4 +410,142 @@ fn thin(points: &[usize], flat: &dyn Fn(usize) -> DVec2, laid: &[DVec3]) -> Vec<
     let lowest = sorted.iter().copied().min_by(|&a, &b| laid[a].y.total_cmp(&laid[b].y));
     hull.extend(lowest.filter(|low| !hull.contains(low)));
     hull
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Corners and edge points of a box foot: heel 7 cm behind the ankle, tip 18 cm ahead, 9 cm wide, 8 cm to the ankle.
+    fn box_foot() -> Vec<FootVertex> {
+        let mut vertices = Vec::new();
+        for step in 0..=10 {
+            let z = -0.07 + 0.025 * f64::from(step);
+            for x in [-0.045, 0.0, 0.045] {
+                for y in [-0.08, -0.03] {
+                    vertices.push(FootVertex { offset: DVec3::new(x, y, z), toe: z > 0.1 });
+                }
+            }
+        }
+        vertices
+    }
+
+    fn input(vertices: &[FootVertex], toe: Option<DVec3>) -> FootInput<'_> {
+        FootInput {
+            side: Side::Left,
+            ankle: 3,
+            ankle_y: 0.08,
+            toe: toe.map(|offset| (4, offset)),
+            height: 1.7,
+            vertices,
+        }
+    }
+
+    fn assert_near(value: f64, wanted: f64, within: f64, what: &str) {
+        assert!((value - wanted).abs() <= within, "{what}: {value:.4}, wanted {wanted:.4} within {within}");
+    }
+
+    const TOE: DVec3 = DVec3::new(0.0, -0.06, 0.11);
+
+    #[test]
+    fn a_box_foot_has_its_own_heel_ball_tip_and_width() {
+        let vertices = box_foot();
+        let (shape, warnings) = foot_shape(&input(&vertices, Some(TOE)));
+        assert!(warnings.is_empty(), "{warnings:?}");
+        assert_eq!((shape.level, shape.toe_level, shape.toe), (DQuat::IDENTITY, DQuat::IDENTITY, Some(4)));
+        assert_near(shape.heel, -0.07, 1e-9, "heel");
+        assert_near(shape.ball, 0.11, 1e-9, "ball");
+        assert_near(shape.tip, 0.18, 1e-9, "tip");
+        assert_near(shape.ankle_height, 0.08, 1e-9, "ankle height");
+        assert_near(shape.half_width, 0.045, 1e-9, "half width");
+        assert_near(shape.forward.y, 1.0, 1e-9, "forward");
+        for point in shape.rear_sole.iter().chain(&shape.front_sole) {
+            assert_near(point.y, -0.08, 1e-9, "a sole point");
+        }
+        assert!(shape.rear_sole.len() <= 24 && shape.front_sole.len() <= 24, "thinned");
+    }
+
+    #[test]
+    fn a_foot_pitched_by_twenty_degrees_is_laid_flat() {
+        for degrees in [20.0f64, -20.0, 35.0, -35.0] {
+            let pitch = DQuat::from_rotation_x(degrees.to_radians());
+            let vertices: Vec<FootVertex> =
+                box_foot().iter().map(|vertex| FootVertex { offset: pitch * vertex.offset, ..*vertex }).collect();
+            let (shape, warnings) = foot_shape(&input(&vertices, Some(pitch * TOE)));
+            assert_eq!(warnings.len(), 1, "it says so: {warnings:?}");
+            assert!(shape.level.angle_between(pitch.inverse()) < 1e-5, "level {} against {pitch}", shape.level);
+            assert_eq!(shape.level, shape.toe_level, "the toes were straight");
+            assert_near(shape.heel, -0.07, 1e-6, "heel");
+            assert_near(shape.ball, 0.11, 1e-6, "ball");
+            assert_near(shape.tip, 0.18, 1e-6, "tip");
+            assert_near(shape.ankle_height, 0.08, 1e-6, "ankle height");
+            for point in &shape.rear_sole {
+                assert_near((shape.level * *point).y, -0.08, 1e-6, "a levelled sole point");
+            }
+        }
+    }
+
+    #[test]
+    fn a_lifted_heel_over_flat_toes_turns_the_foot_and_not_the_toes() {
+        let pitch = DQuat::from_rotation_x(25f64.to_radians());
+        let toe = pitch * TOE;
+        let vertices: Vec<FootVertex> = box_foot()
+            .iter()
+            .map(|vertex| {
+                let offset = if vertex.toe { toe + (vertex.offset - TOE) } else { pitch * vertex.offset };
+                FootVertex { offset, ..*vertex }
+            })
+            .collect();
+        let (shape, _) = foot_shape(&input(&vertices, Some(toe)));
+        assert!(shape.level.angle_between(pitch.inverse()) < 0.02, "level {}", shape.level);
+        assert_eq!(shape.toe_level, DQuat::IDENTITY);
+        assert_near(shape.ankle_height, 0.08, 2e-3, "ankle height");
+        assert_near(shape.tip, 0.18, 2e-3, "tip");
+        for point in &shape.front_sole {
+            let laid = shape.level * toe + shape.toe_level * (*point - toe);
+            assert_near(laid.y, -shape.ankle_height, 2e-3, "a levelled toe point");
+        }
+    }
+
+    #[test]
+    fn without_toes_the_ball_stands_at_its_proportion() {
+        let vertices: Vec<FootVertex> = box_foot().iter().map(|vertex| FootVertex { toe: false, ..*vertex }).collect();
+        let (shape, _) = foot_shape(&input(&vertices, None));
+        assert_eq!(shape.toe, None);
+        assert_near(shape.ball, -0.07 + 0.72 * 0.25, 1e-9, "ball");
+        assert!(shape.front_sole.iter().all(|point| point.z >= shape.ball - 1e-9), "front points lie ahead of it");
+        // A toe joint whose mesh hangs on the foot bends nothing.
+        let (shape, warnings) = foot_shape(&input(&vertices, Some(TOE)));
+        assert_eq!((shape.toe, warnings.len()), (None, 1));
+        assert_near(shape.ball, 0.11, 1e-9, "ball at the joint all the same");
+    }
+
+    #[test]
+    fn a_foot_turned_out_points_where_its_toes_point() {
+        let turn = DQuat::from_rotation_y(15f64.to_radians());
+        let vertices: Vec<FootVertex> =
+            box_foot().iter().map(|vertex| FootVertex { offset: turn * vertex.offset, toe: false }).collect();
+        let (shape, _) = foot_shape(&input(&vertices, None));
+        assert_near(shape.forward.x.atan2(shape.forward.y).to_degrees(), 15.0, 0.1, "by the mesh alone");
+        assert_near(shape.tip, 0.18, 1e-3, "tip");
+    }
+
+    #[test]
+    fn without_a_mesh_the_joints_make_a_plausible_sole() {
+        let (shape, _) = foot_shape(&input(&[], Some(TOE)));
+        assert_near(shape.ball, 0.11, 1e-9, "ball");
+        let length = shape.tip - shape.heel;
+        assert!((0.2..0.3).contains(&length), "foot length {length}");
+        assert_near(shape.ankle_height, 0.08, 1e-9, "ankle height");
+        assert_eq!(shape.rear_sole.len() + shape.front_sole.len(), 12);
+    }
+
+    #[test]
+    fn broken_meshes_make_no_panic() {
+        for offset in [DVec3::ZERO, DVec3::splat(1e300), DVec3::new(0.0, -0.08, 0.0)] {
+            let vertices = vec![FootVertex { offset, toe: false }; 9];
+            let (shape, _) = foot_shape(&input(&vertices, Some(TOE)));
+            assert!(shape.tip > shape.heel, "{shape:?}");
+        }
+    }
 }

@@ -204,7 +204,8 @@ fn foot_direction(
         soles += flat((least + most) * 0.5 - positions[*bone]) * 0.5;
     }
     let found = if soles.length() > sum.length() { soles } else { sum };
-    (found.length() > 0.2 * FOOT * leg).then_some(found)
+    // Less than that is the noise of a straight leg.
+    (found.length() > 0.6 * FOOT * leg).then_some(found)
 }
 
 /// Mesh vertices that move mostly with that node or what hangs below it.
@@ -253,14 +254,19 @@ fn extent(
         (0..nodes.len()).filter(|node| under[*node]).map(|node| positions[node].dot(up)).fold(f64::MAX, f64::min)
     });
     let lowest = joints.fold(f64::MAX, f64::min);
+    let ankles = feet.iter().map(|foot| positions[*foot].dot(up)).fold(f64::MAX, f64::min);
+    // Without a mesh: the document's own floor where a sole would lie on it, else a sole below what is lowest.
+    let (near, sole) = match bones.contains_key(&Role::LeftFoot) {
+        true if lowest < ankles - 0.02 * leg => (-0.005..0.05, 0.01),
+        true => (0.04..0.2, 0.075),
+        false => (0.4..0.6, 0.5),
+    };
     let low = if soles < f64::MAX {
         soles
-    } else if lowest.abs() < 0.05 * leg {
-        0.0 // The document's own floor, as authors have it.
-    } else if bones.contains_key(&Role::LeftFoot) {
-        lowest - 0.01 * leg
+    } else if near.contains(&(lowest / leg.max(1e-12))) {
+        0.0
     } else {
-        lowest - leg
+        lowest - sole * leg
     };
     let head = bones.get(&Role::Head).copied();
     let crown = head.map(|head| points_under(nodes, head, parts)).unwrap_or_default();

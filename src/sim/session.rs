@@ -85,12 +85,7 @@ impl Session {
     }
 
     fn record(&self, inputs: &Inputs) -> TickState {
-        TickState {
-            xi: self.state.xi(&self.params),
-            push: inputs.force,
-            push_moment: inputs.moment,
-            ..still(&self.state)
-        }
+        TickState { xi: self.state.xi(), push: inputs.force, push_moment: inputs.moment, ..still(&self.state) }
     }
 }
 

@@ -37,10 +37,12 @@ pub fn corrective(
         None => ground(state.feet[side as usize].ankle),
     };
     let sole = Support::one(params, physique, stance, Tread::Whole, params.margin);
-    let lean = steady_lean(params, physique, state);
-    let pivot = sole.nearest(state.xi(params) + lean) - lean;
-    let (com, velocity) =
-        pendulum::predict(ground(state.com), ground(state.velocity), pivot, params.omega, time.max(0.0));
+    let lean = steady_lean(physique, state);
+    let pivot = sole.nearest(state.xi() + lean) - lean;
+    let more = state.pushed.min(params.expect).min(time.max(0.0));
+    let shove = state.touch * (more / physique.mass);
+    let (com, velocity) = (ground(state.com) - shove * (0.5 * more), ground(state.velocity) + shove);
+    let (com, velocity) = pendulum::predict(com, velocity, pivot, state.omega(), time.max(0.0));
     let speed = velocity.length();
     let direction = if speed > 1e-9 { velocity / speed } else { DVec2::ZERO };
     let bias = params.leg_bias * (state.com.y - physique.com_height);
@@ -49,6 +51,8 @@ pub fn corrective(
     let capture = com + direction * distance + state.felt * (params.pull / weight);
 
     let (ahead, out) = (support::forward(state.facing), support::left(state.facing) * side.sign());
+    let away = capture - middle(params, state.facing, [from, ground(stance.ankle)]);
+    let direction = away.normalize_or_zero();
     let over = (speed / (0.5 * params.size / params.tempo)).min(1.0);
     let outward = if passing == Passing::Own { params.outward } else { params.across };
     let wanted = capture + direction * (params.overshoot * over) + out * outward - ahead * params.com_forward;
@@ -56,12 +60,17 @@ pub fn corrective(
     let hip = com - ahead * params.com_forward + out * (0.5 * params.width);
     let step = params.ankle_speed * swing_time / swing::PEAK;
     let foot = physique.tip - physique.heel;
+    let short = params.least_step - (wanted - from).dot(direction);
+    let wanted = wanted + direction * short.max(0.0);
     let mut ankle = wanted;
     for _ in 0..2 {
         ankle = within(ankle, hip, params.reach);
         ankle = within(ankle, from, step);
         let relative = ankle - ground(stance.ankle);
         let (beside, before) = (relative.dot(out), relative.dot(ahead));
+        if passing != Passing::Own {
+            ankle += out * (-params.most_across - beside).max(0.0);
+        }
         let clear = clearance(params, foot, beside);
         match passing {
             Passing::Own => ankle += out * (params.gap - beside).max(0.0),
@@ -72,27 +81,37 @@ pub fn corrective(
     let plant = Plant { ankle: DVec3::new(ankle.x, 0.0, ankle.y), yaw: state.facing + side.sign() * physique.toe_out };
     let across = (-(ankle - ground(stance.ankle)).dot(out)).max(0.0);
     let stands = Support::two(params, physique, [stance, &plant], [Tread::Whole; 2], params.margin);
-    let xi = state.xi(params) + lean;
-    let fin = over_foot(params, physique, state, side, passing, &plant);
-    let pivot = sole.nearest(pendulum::pivot_for(xi, fin, params.omega, time.max(0.05 * params.tempo)));
-    let caught = pivot + (xi - pivot) * (params.omega * time.max(0.0)).exp();
+    let xi = state.xi() + lean + shove / state.omega() - shove * (0.5 * more);
+    let fin = over_foot(params, state, side, passing, &plant);
+    let pivot = braking(params, state, passing, &sole, (xi, fin), time);
+    let caught = pivot + (xi - pivot) * (state.omega() * time.max(0.0)).exp();
     let miss = stands.outside(caught).max(0.0);
     Foothold { plant, miss, off: ankle.distance(wanted), speed, across }
 }
 
 /// The point that a corrective step to that plant means to have ξ at when it lands.
-pub fn over_foot(
-    params: &Params,
-    physique: &Physique,
-    state: &State,
-    side: Side,
-    passing: Passing,
-    plant: &Plant,
-) -> DVec2 {
-    let _ = physique;
+pub fn over_foot(params: &Params, state: &State, side: Side, passing: Passing, plant: &Plant) -> DVec2 {
     let (ahead, out) = (support::forward(state.facing), support::left(state.facing) * side.sign());
     let outward = if passing == Passing::Own { params.outward } else { params.across };
     ground(plant.ankle) + ahead * params.com_forward - out * outward
+}
+
+/// The pressure under the stance foot that slows the fall most; a foot that crosses is met half-way, forward or back,
+/// because it cannot land in line.
+pub fn braking(
+    params: &Params,
+    state: &State,
+    passing: Passing,
+    sole: &Support,
+    (xi, fin): (DVec2, DVec2),
+    time: f64,
+) -> DVec2 {
+    if passing == Passing::Own {
+        return sole.nearest(xi);
+    }
+    let ahead = support::forward(state.facing);
+    let pivot = pendulum::pivot_for(xi, fin, state.omega(), time.max(0.1 * params.tempo));
+    sole.nearest(xi + ahead * (pivot - xi).dot(ahead))
 }
 
 /// How far ahead of (or behind) the stance foot a crossing foot must land, m: clear of the sole where the two are in
@@ -117,8 +136,8 @@ pub fn middle(params: &Params, facing: f64, ankles: [DVec2; 2]) -> DVec2 {
 }
 
 /// How far the centre of pressure must lie ahead of ξ, along the lasting push, to hold against it.
-pub fn steady_lean(params: &Params, physique: &Physique, state: &State) -> DVec2 {
-    state.felt / (physique.mass * params.omega * params.omega)
+pub fn steady_lean(physique: &Physique, state: &State) -> DVec2 {
+    state.felt / (physique.mass * state.omega() * state.omega())
 }
 
 fn within(point: DVec2, centre: DVec2, radius: f64) -> DVec2 {

@@ -59,7 +59,6 @@ pub struct Params {
     // The body's stand.
     pub width: f64,       // m, ankle to ankle
     pub com_forward: f64, // m, centre of mass ahead of the ankles
-    pub omega: f64,       // 1/s, at the standing height
     pub tempo: f64,       // times of the reference body are multiplied by this
     pub size: f64,        // lengths likewise
     // Spring leg.
@@ -89,6 +88,12 @@ pub struct Params {
     pub across: f64,      // m, likewise of a foot that crosses: it lands short, for the other one is to follow
     pub pass: f64,        // m, a foot that crosses lands so far ahead of or behind the other
     pub slip_arc: f64,    // share of the pole vault's arc by which the centre of mass sinks beside its foot
+    pub give: f64,        // share of the drop to the landing height that the stance leg gives way by
+    pub leg_lag: f64,     // s, time constant of the legs' force
+    pub most_across: f64, // m, a foot crosses no farther than so
+    pub least_step: f64,  // m, a corrective step is no shorter than so, if it may be longer
+    pub retarget: f64,    // m/s, how fast a swing's landing can be moved
+    pub expect: f64,      // s, a push is expected to go on for as long as it has lasted, but no longer than so
     pub tipping: f64,     // share of a high push's moment that ends up as speed
     pub delay: f64,       // s, until the ankles answer with their full gain
     pub cost_speed: f64,  // s, weight of the speed at touchdown in the choice of a foot
@@ -134,7 +139,6 @@ impl Params {
             support: style.support,
             width,
             com_forward: physique.com_forward.clamp(physique.heel + 2.0 * margin, physique.tip - 2.0 * margin),
-            omega: (GRAVITY / physique.com_height).sqrt(),
             tempo,
             size,
             spring: 23.6 * weight / physique.leg_length, // 25 kN/m for the reference body
@@ -160,8 +164,14 @@ impl Params {
             across: -0.03 * size,
             pass: 0.16 * size,
             slip_arc: 0.6,
+            give: 1.0,
+            leg_lag: 0.02 * tempo,
+            most_across: dial(0.4, 0.45, 0.8) * size,
+            least_step: 0.2 * size,
+            retarget: dial(2.0, 3.0, 8.0) * pace,
+            expect: 0.12 * tempo,
             tipping: 0.2,
-            delay: 0.12 * tempo,
+            delay: 0.2 * tempo,
             cost_speed: 0.13 * tempo,
             cost_cross: 0.2,
             pull: 0.4 * physique.com_height,

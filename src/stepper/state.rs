@@ -1,6 +1,7 @@
 //! The controller's state, what it is told each tick and what it says. Plain values, scenario space, SI units.
 
 use super::{Params, Physique, Plant, Step, StepKind, ground, support};
+use crate::maths::pendulum;
 use crate::model::Side;
 use glam::{DVec2, DVec3};
 
@@ -43,7 +44,9 @@ pub struct Swing {
     pub to: Plant,
     /// How it passes the stance leg.
     pub passing: Passing,
-    /// m, bulge of its path, to pass the stance leg, (x, z).
+    /// Unit vector (x, z) to the side of the stance ankle on which it passes.
+    pub round: DVec2,
+    /// m, bulge of its path that way, (x, z).
     pub detour: DVec2,
 }
 
@@ -56,6 +59,8 @@ pub struct Intent {
     pub kind: StepKind,
     /// How it will pass the stance leg.
     pub passing: Passing,
+    /// The weight is being shifted: the lift comes as soon as the stance foot carries it.
+    pub committed: bool,
 }
 
 /// Everything that the controller remembers.
@@ -83,8 +88,14 @@ pub struct State {
     pub facing: f64,
     /// N, the push as it is felt, (x, z).
     pub felt: DVec2,
+    /// N, the push of this moment as the skin feels it, (x, z).
+    pub touch: DVec2,
+    /// s, how long it has lasted.
+    pub pushed: f64,
     /// m/s, speed that the tipping of the trunk has yet to give to the centre of mass, (x, z).
     pub tip: DVec2,
+    /// m/s², upward acceleration that the legs give.
+    pub lift: f64,
     /// m, how far the pendulum's arc has lowered the centre of mass.
     pub arc: f64,
     /// s, since ξ left the inner region; 0 while it has not.
@@ -132,7 +143,10 @@ impl State {
             intent: None,
             facing,
             felt: DVec2::ZERO,
+            touch: DVec2::ZERO,
+            pushed: 0.0,
             tip: DVec2::ZERO,
+            lift: 0.0,
             arc: 0.0,
             alarm: 0.0,
             settled: 1e3 * params.tempo,
@@ -143,9 +157,14 @@ impl State {
         }
     }
 
+    /// 1/s, the pendulum's rate at the present height.
+    pub fn omega(&self) -> f64 {
+        pendulum::rate(self.com.y.max(1e-3))
+    }
+
     /// m, extrapolated centre of mass.
-    pub fn xi(&self, params: &Params) -> DVec2 {
-        ground(self.com) + ground(self.velocity) / params.omega
+    pub fn xi(&self) -> DVec2 {
+        pendulum::extrapolated(ground(self.com), ground(self.velocity), self.omega())
     }
 
     /// Does that foot carry?

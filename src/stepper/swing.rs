@@ -19,21 +19,28 @@ pub fn along(params: &Params, swing: &Swing, phase: f64) -> Plant {
     Plant { ankle: DVec3::new(path.x, height, path.y), yaw: swing.from.yaw + (swing.to.yaw - swing.from.yaw) * eased }
 }
 
-/// The bow, (x, z) m, that keeps the path `gap` m away from the stance ankle, towards `side` (a unit vector) or, where
-/// that is zero, towards the side on which the straight way passes; zero where the straight way keeps the gap.
-pub fn detour(from: DVec2, to: DVec2, stance: DVec2, side: DVec2, gap: f64) -> DVec2 {
+/// The bow, (x, z) m, that keeps the path `gap` m away from the stance ankle on the side that `round` (a unit vector)
+/// points to; zero where the straight way does.
+pub fn detour(from: DVec2, to: DVec2, stance: DVec2, round: DVec2, gap: f64) -> DVec2 {
     let way = to - from;
     let share = ((stance - from).dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
-    if share <= 0.05 || share >= 0.95 {
-        return DVec2::ZERO; // nearest at an end, and the ends stand where they may
+    let amid = ((share.min(1.0 - share) - 0.02) / 0.1).clamp(0.0, 1.0); // the ends stand where they may
+    if amid == 0.0 {
+        return DVec2::ZERO;
     }
-    let past = from + way * share - stance;
     let normal = way.perp() / way.length();
-    let sign = if side == DVec2::ZERO { past.dot(normal).signum() } else { side.dot(normal).signum() };
-    let short = gap - past.dot(normal) * sign;
-    // the cubic bows by 3 w u of its handles' bow
-    let bow = 3.0 * share * (1.0 - share);
-    normal * (sign * short.max(0.0) / bow.max(0.35))
+    let normal = if round.dot(normal) < 0.0 { -normal } else { normal };
+    let past = (from + way * share - stance).dot(normal);
+    let bow = 3.0 * share * (1.0 - share); // of a cubic, for handles bowed by 1
+    normal * ((gap - past).max(0.0) * amid / bow.max(0.3))
+}
+
+/// The side on which the straight way passes the stance ankle; `else_way` where it goes through it.
+pub fn round(from: DVec2, to: DVec2, stance: DVec2, else_way: DVec2) -> DVec2 {
+    let way = to - from;
+    let share = ((stance - from).dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
+    let past = from + way * share - stance;
+    if past.length() > 1e-3 { past.normalize() } else { else_way }
 }
 
 /// Peak over mean speed of the easing.

@@ -242,12 +242,13 @@ impl<'a> Solver<'a> {
     }
 }
 
-/// Draws a swinging ankle in before the leg is straight, so that the knee does not snap: from 96.5 % of the leg at `soft` 1.
+/// Draws a swinging ankle in before the leg is straight, so that the knee does not snap: from 88 % of the leg at `soft` 1.
 fn soft_reach(hip: DVec3, ankle: DVec3, leg: f64, soft: f64) -> DVec3 {
     let to = ankle - hip;
     let distance = to.length();
-    let from = leg * (STRAIGHTEST - (STRAIGHTEST - 0.965) * soft);
-    let room = leg * STRAIGHTEST - from;
+    let longest = leg * (STRAIGHTEST - 0.012 * soft);
+    let from = leg * (STRAIGHTEST - (STRAIGHTEST - 0.88) * soft);
+    let room = longest - from;
     if distance <= from || room < 1e-9 {
         return ankle;
     }

@@ -1,0 +1,138 @@
+//! The bodies of real rigs: plausible heights, masses, centres and soles. `--nocapture` prints the table.
+
+use glam::DVec3;
+use std::path::PathBuf;
+use surefoot::model::{Body, Side};
+use surefoot::rig::mannequin::{BUILTIN, MannequinOptions, mannequin};
+use surefoot::rig::{Rig, load, load_bytes};
+
+fn data() -> Option<PathBuf> {
+    let folder = std::env::var_os("SUREFOOT_DATA")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
+    folder.is_dir().then_some(folder)
+}
+
+fn built_in(bytes: &[u8]) -> Rig {
+    let none = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
+    load_bytes("builtin", bytes, &none, None).expect("the built-in rig loads")
+}
+
+fn centre_of_mass(body: &Body) -> DVec3 {
+    let weighted: DVec3 =
+        body.segments.iter().map(|segment| (body.joints[segment.joint].rest + segment.centre) * segment.mass).sum();
+    weighted / body.mass
+}
+
+fn row(name: &str, rig: &Rig) {
+    let body = &rig.body;
+    let com = centre_of_mass(body);
+    println!(
+        "{name:32} h {:.3} m {:5.1} leg {:.3} com {:+.2},{:.3},{:+.2}",
+        body.height,
+        body.mass,
+        body.leg_length,
+        com.x,
+        com.y / body.height,
+        com.z
+    );
+    for foot in &body.feet {
+        println!(
+            "    ankle {:.3} heel {:+.3} ball {:+.3} tip {:+.3} half width {:.3} fwd {:+.2},{:+.2} level {:4.1} toe {:?} {:4.1} points {} {}",
+            foot.ankle_height,
+            foot.heel,
+            foot.ball,
+            foot.tip,
+            foot.half_width,
+            foot.forward.x,
+            foot.forward.y,
+            foot.level.angle_between(glam::DQuat::IDENTITY).to_degrees(),
+            foot.toe,
+            foot.toe_level.angle_between(glam::DQuat::IDENTITY).to_degrees(),
+            foot.rear_sole.len(),
+            foot.front_sole.len()
+        );
+    }
+    for warning in &rig.mapping.warnings {
+        println!("    ! {warning}");
+    }
+}
+
+/// What no body may break, however it is drawn.
+fn check(name: &str, rig: &Rig) {
+    let body = &rig.body;
+    let height = body.height;
+    let sum: f64 = body.segments.iter().map(|segment| segment.mass).sum();
+    assert!((sum / body.mass - 1.0).abs() < 1e-9, "{name}: segments weigh {sum} of {}", body.mass);
+    let com = centre_of_mass(body);
+    // Stylised rigs carry half their height in the head, which weighs no more for it.
+    assert!((0.28..0.68).contains(&(com.y / height)), "{name}: centre of mass at {:.3}", com.y / height);
+    for side in Side::BOTH {
+        let foot = &body.feet[side as usize];
+        let length = (foot.tip - foot.heel) / height;
+        assert!((0.08..0.30).contains(&length), "{name} {side:?}: foot length {length:.3} of the height");
+        assert!(foot.heel < foot.ball && foot.ball < foot.tip, "{name} {side:?}: {foot:?}");
+        assert!(
+            (0.02..0.14).contains(&(foot.half_width / height)) || length < 0.1,
+            "{name} {side:?}: {}",
+            foot.half_width
+        );
+        assert!(foot.ankle_height > 0.0 && foot.ankle_height < 0.2 * height, "{name}: {}", foot.ankle_height);
+        assert!(foot.forward.y > 0.5, "{name} {side:?}: it points {}", foot.forward);
+        for point in &foot.rear_sole {
+            let above = (foot.level * *point).y + foot.ankle_height;
+            assert!((-1e-6..0.05 * height).contains(&above), "{name} {side:?}: sole point {above} over the sole");
+        }
+    }
+}
+
+#[test]
+fn real_rigs_have_plausible_bodies() {
+    let Some(data) = data() else {
+        println!("skipped: no data folder");
+        return;
+    };
+    let mut files: Vec<PathBuf> = std::fs::read_dir(data.join("rigs"))
+        .expect("the folder of rigs")
+        .filter_map(|entry| entry.ok().map(|entry| entry.path()))
+        .filter(|path| {
+            path.extension().is_some_and(|ending| ["glb", "gltf", "vrm"].iter().any(|known| ending == *known))
+        })
+        .filter(|path| !path.to_string_lossy().contains("Fox"))
+        .collect();
+    files.sort();
+    let mut count = 0;
+    for path in files {
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let rig = load(&path).unwrap_or_else(|error| panic!("{name}: {error}"));
+        row(&name, &rig);
+        check(&name, &rig);
+        count += 1;
+    }
+    assert!(count >= 12, "only {count} rigs");
+}
+
+#[test]
+fn the_built_in_rig_is_the_papers_character() {
+    let rig = built_in(BUILTIN);
+    row("builtin", &rig);
+    check("builtin", &rig);
+    let body = &rig.body;
+    assert!((body.height - 1.70).abs() < 2e-3, "{}", body.height);
+    assert!((body.mass - 89.5).abs() < 1e-9, "{}", body.mass);
+    assert!((body.leg_length - 0.83).abs() < 2e-3, "{}", body.leg_length);
+    assert!(rig.mapping.warnings.is_empty(), "{:?}", rig.mapping.warnings);
+}
+
+#[test]
+fn other_heights_and_legs_come_out_as_asked() {
+    let child = built_in(&mannequin(&MannequinOptions { height: 1.2, ..MannequinOptions::default() }));
+    assert!((child.body.height - 1.2).abs() < 2e-3, "{}", child.body.height);
+    assert!((child.body.mass - 89.5 * (1.2f64 / 1.7).powi(2)).abs() < 1e-3, "{}", child.body.mass);
+    let tall =
+        built_in(&mannequin(&MannequinOptions { leg_scale: 1.3, mass: Some(70.0), ..MannequinOptions::default() }));
+    assert!((tall.body.leg_length - 0.83 * 1.3).abs() < 2e-3, "{}", tall.body.leg_length);
+    assert!((tall.body.height - 1.70 - 0.3 * 0.83).abs() < 2e-3, "{}", tall.body.height);
+    assert!((tall.body.mass - 70.0).abs() < 1e-9, "{}", tall.body.mass);
+    let odd = built_in(&mannequin(&MannequinOptions { height: f64::NAN, leg_scale: -1.0, mass: Some(f64::NAN) }));
+    check("odd options", &odd);
+}

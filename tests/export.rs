@@ -1,0 +1,460 @@
+//! From poses to the bytes of a GLB and back: what an independent reader finds is what was posed, and nothing is lost.
+
+use crate::synthetic::{self, DURATION, contacts, held, stepping, troubles};
+use glam::{DQuat, DVec3};
+use serde_json::Value;
+use std::path::PathBuf;
+use surefoot::bake::keys::{KeyInput, keyed_clip};
+use surefoot::bake::root_motion::{RootMotion, root_bone};
+use surefoot::export::{ExportError, glb};
+use surefoot::model::report::*;
+use surefoot::model::{BodyPose, Clip, ClipReport, KeyValues, Role, Target};
+use surefoot::rig::Rig;
+
+const MODES: [RootMotion; 3] = [RootMotion::Root, RootMotion::Hips, RootMotion::InPlace];
+
+fn clip(rig: &Rig, root_motion: RootMotion) -> Clip {
+    let pose = |time: f64| stepping(&rig.body, time);
+    keyed_clip(&KeyInput { rig, name: "shove", fps: 30.0, duration: DURATION, pose: &pose, contacts: &contacts(), root_motion })
+}
+
+fn report(clip: &Clip) -> ClipReport {
+    ClipReport {
+        version: 1,
+        generator: "surefoot tests".into(),
+        fps: clip.fps,
+        duration: clip.duration,
+        seed: 1,
+        root_motion: "root".into(),
+        drive: "stepper".into(),
+        scenario: "shove".into(),
+        outcome: Outcome::Step,
+        steps: 2,
+        body: BodyReport { mass: 70.0, height: 1.7 },
+        contacts: Vec::new(),
+        events: vec![Event { time: 1.0 / 3.0, name: "push_start".into(), foot: None }],
+        disturbances: Vec::new(),
+        assist: Assist::default(),
+        plausibility: Plausibility::default(),
+    }
+}
+
+/// Where baked files go, so that the scripts of tests/tools can look at them.
+fn baked(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("target/baked");
+    std::fs::create_dir_all(&folder).expect("target can be written");
+    folder.join(name)
+}
+
+fn json_of(file: &[u8]) -> (Value, &[u8]) {
+    let length = |at: usize| u32::from_le_bytes(file[at..at + 4].try_into().expect("four bytes")) as usize;
+    let json = length(12);
+    let bin = if file.len() > 20 + json { &file[28 + json..28 + json + length(20 + json)] } else { &[] };
+    (serde_json::from_slice(&file[20..20 + json]).expect("JSON chunk"), bin)
+}
+
+#[test]
+fn a_clip_reads_back_as_the_poses_it_was_made_from() {
+    for (name, trouble) in troubles() {
+        let rig = synthetic::rig(trouble);
+        for mode in [RootMotion::Root, RootMotion::Hips] {
+            let clip = clip(&rig, mode);
+            let mut sampler = rig.sampler(&clip);
+            for tick in 0..=360 {
+                let time = f64::from(tick) / 90.0;
+                let (wanted, got) = (stepping(&rig.body, time), sampler.sample(time));
+                for (joint, (wanted, got)) in wanted.positions(&rig.body).iter().zip(&got.positions).enumerate() {
+                    let off = wanted.distance(*got);
+                    assert!(off < 6e-3, "{name} {mode:?} {time} {:?}: {off} m", rig.body.joints[joint].role);
+                }
+                for (joint, (wanted, got)) in wanted.turns.iter().zip(&got.turns).enumerate() {
+                    let off = wanted.angle_between(*got).to_degrees();
+                    assert!(off < 2.0, "{name} {mode:?} {time} {:?}: {off} degrees", rig.body.joints[joint].role);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn planted_feet_stay_between_keys_and_few_keys_are_left() {
+    for (name, trouble) in troubles() {
+        let rig = synthetic::rig(trouble);
+        let clip = clip(&rig, RootMotion::Root);
+        let mut sampler = rig.sampler(&clip);
+        let mut worst: f64 = 0.0;
+        for contact in contacts() {
+            let start = held(&rig, &sampler.sample(contact.start), &contact);
+            for tick in 0..=480 {
+                let time = contact.start + (contact.end - contact.start) * f64::from(tick) / 480.0;
+                let now = held(&rig, &sampler.sample(time), &contact);
+                worst = start.iter().zip(&now).map(|(a, b)| a.distance(*b)).fold(worst, f64::max);
+            }
+        }
+        let keys: usize = clip.channels.iter().map(|channel| channel.times.len()).sum();
+        let frames = (DURATION * clip.fps) as usize + 1;
+        let share = keys as f64 / (frames * clip.channels.len()) as f64;
+        println!("{name}: slip {:.3} mm, {keys} keys, {:.1} % of frames x channels", worst * 1e3, share * 100.0);
+        assert!(worst < 0.5e-3, "{name}: {worst}");
+        for channel in &clip.channels { print!("{:?}:{} ", channel.target, channel.times.len()); }
+        assert!(share < 0.40, "{name}: {share}");
+    }
+}
+
+#[test]
+fn the_plain_grid_would_slip_so_the_bisection_is_needed() {
+    // The planted extreme of the test above: the same motion without contacts to guard.
+    let rig = synthetic::rig(synthetic::PLAIN);
+    let pose = |time: f64| stepping(&rig.body, time);
+    let loose = keyed_clip(&KeyInput {
+        rig: &rig,
+        name: "loose",
+        fps: 30.0,
+        duration: DURATION,
+        pose: &pose,
+        contacts: &[],
+        root_motion: RootMotion::Root,
+    });
+    let mut sampler = rig.sampler(&loose);
+    let mut worst: f64 = 0.0;
+    for contact in contacts() {
+        let start = held(&rig, &sampler.sample(contact.start), &contact);
+        for tick in 0..=480 {
+            let time = contact.start + (contact.end - contact.start) * f64::from(tick) / 480.0;
+            let now = held(&rig, &sampler.sample(time), &contact);
+            worst = start.iter().zip(&now).map(|(a, b)| a.distance(*b)).fold(worst, f64::max);
+        }
+    }
+    assert!(worst > 0.8e-3, "{worst}");
+}
+
+#[test]
+fn keys_are_what_readers_demand() {
+    for (name, trouble) in troubles() {
+        let rig = synthetic::rig(trouble);
+        for mode in MODES {
+            let clip = clip(&rig, mode);
+            let last = clip.duration as f32;
+            assert!(clip.channels.iter().any(|channel| channel.times.last() == Some(&last)), "{name}");
+            for channel in &clip.channels {
+                assert_eq!(channel.times[0], 0.0);
+                assert!(channel.times.windows(2).all(|pair| pair[0] < pair[1] && pair[1] <= last), "{name} {:?}", channel.target);
+                let KeyValues::Rotation(keys) = &channel.values else { continue };
+                for pair in keys.windows(2) {
+                    let dot: f32 = pair[0].iter().zip(&pair[1]).map(|(a, b)| a * b).sum();
+                    assert!(dot > 0.0, "{name} {:?}: neighbours on different hemispheres", channel.target);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn root_motion_modes_put_the_travel_where_they_say() {
+    for (name, trouble) in troubles() {
+        let rig = synthetic::rig(trouble);
+        assert_eq!(root_bone(&rig).is_some(), trouble.root_bone, "{name}");
+        let carrier = root_bone(&rig).map_or(Target::NewRoot, Target::Node);
+        let travel = |mode: RootMotion| {
+            let clip = clip(&rig, mode);
+            let moves = clip.channels.iter().any(|channel| channel.target == carrier && channel.times.len() > 1);
+            let (start, end) = (rig.sample(&clip, 0.0), rig.sample(&clip, DURATION));
+            (moves, end.hips - start.hips)
+        };
+        let (moves, way) = travel(RootMotion::Root);
+        assert!(moves && (way.z - 0.28).abs() < 1e-3, "{name}: {way}");
+        let (moves, way) = travel(RootMotion::Hips);
+        assert!(!moves && (way.z - 0.28).abs() < 1e-3, "{name}: {way}");
+        let (moves, way) = travel(RootMotion::InPlace);
+        assert!(!moves && way.z.abs() < 1e-3 && way.y < -0.05, "{name}: {way}");
+    }
+}
+
+#[test]
+fn contacts_are_plain_step_animation_too() {
+    let rig = synthetic::rig(synthetic::PLAIN);
+    let clip = clip(&rig, RootMotion::Root);
+    let left = clip.channels.iter().find(|channel| channel.target == Target::ContactLeft).expect("is there");
+    // Flat and ball are one contact; then the swing; then heel and flat.
+    assert_eq!(left.times, [0.0, 0.8017, 1.2, 4.0]);
+    assert_eq!(left.values, KeyValues::Translation(vec![[1.0, 0.0, 0.0], [0.0; 3], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]));
+}
+
+#[test]
+fn unreal_ik_bones_follow_and_twist_bones_inherit() {
+    let rig = synthetic::rig(synthetic::troubles()[3].1);
+    let clip = clip(&rig, RootMotion::Root);
+    let find = |name: &str| rig.nodes.iter().position(|node| node.name.as_deref() == Some(name)).expect("is there");
+    let mut sampler = rig.sampler(&clip);
+    for time in [0.0, 0.75, 1.0, 1.3, 4.0] {
+        let globals = sampler.node_globals(time);
+        let off = globals[find("ik_foot_l")].translation.distance(globals[find("foot_l")].translation);
+        assert!(off < 1.5e-3, "{time}: {off}");
+    }
+    assert!(clip.channels.iter().all(|channel| channel.target != Target::Node(find("thigh_twist_l"))));
+}
+
+#[test]
+fn everything_of_the_source_is_still_there() {
+    for (name, trouble) in troubles() {
+        let rig = synthetic::rig(trouble);
+        for mode in MODES {
+            let clip = clip(&rig, mode);
+            let made = glb(&rig, &[(clip.clone(), report(&clip))]).expect("can be written");
+            std::fs::write(baked(&format!("synthetic_{name}_{}.glb", mode.name())), &made.bytes).expect("can be written");
+            dump_pose(&rig, &clip, &made.names[0], &format!("synthetic_{name}_{}.glb", mode.name()));
+            keeps_everything(&rig, &made.bytes, &made.changes);
+            assert_eq!(made.names, ["shove_2"], "the rig has a shove already");
+            assert_eq!(!made.changes.is_empty(), trouble.matrix, "{:?}", made.changes);
+            reads_back(&rig, &clip, &made.bytes);
+        }
+    }
+}
+
+/// Every JSON value of the source at its index in the file, its bytes a prefix of the buffer.
+fn keeps_everything(rig: &Rig, file: &[u8], changes: &[String]) {
+    let (json, bin) = json_of(file);
+    assert!(bin.starts_with(rig.document.buffers.first().map_or(&[][..], Vec::as_slice)));
+    let source = rig.document.json.as_object().expect("object");
+    for (key, value) in source {
+        let now = &json[key];
+        match (key.as_str(), value) {
+            ("buffers" | "scenes" | "bufferViews" | "images", _) => {}
+            ("nodes", Value::Array(nodes)) => {
+                for (index, (before, after)) in nodes.iter().zip(now.as_array().expect("array")).enumerate() {
+                    for (field, before) in before.as_object().expect("object") {
+                        match (field.as_str(), before) {
+                            ("children", Value::Array(before)) => {
+                                assert!(after[field].as_array().expect("array").starts_with(before), "node {index}");
+                            }
+                            ("matrix", _) if changes.iter().any(|change| change.starts_with(&format!("node {index} "))) => {}
+                            _ => assert_eq!(&after[field], before, "node {index} {field}"),
+                        }
+                    }
+                }
+            }
+            (_, Value::Array(items)) => assert!(now.as_array().expect("array").starts_with(items), "{key}"),
+            _ => assert_eq!(now, value, "{key}"),
+        }
+    }
+    let views = source.get("bufferViews").and_then(Value::as_array).map_or(0, Vec::len);
+    for index in 0..views {
+        // The bytes behind each view are what they were.
+        let range = |json: &Value, buffers: &[&[u8]]| {
+            let view = &json["bufferViews"][index];
+            let number = |field: &str| view[field].as_u64().unwrap_or(0) as usize;
+            buffers[number("buffer")][number("byteOffset")..number("byteOffset") + number("byteLength")].to_vec()
+        };
+        let before: Vec<&[u8]> = rig.document.buffers.iter().map(Vec::as_slice).collect();
+        assert_eq!(range(&rig.document.json, &before), range(&json, &[bin]), "bufferViews[{index}]");
+    }
+}
+
+/// The gltf crate finds the clip's keys, key for key, and the report.
+fn reads_back(rig: &Rig, clip: &Clip, file: &[u8]) {
+    let gltf = gltf::Gltf::from_slice(file).expect("the gltf crate reads it");
+    let blob = gltf.blob.as_deref().expect("has a BIN chunk");
+    let animation = gltf.animations().last().expect("has the clip");
+    let read: Vec<_> = animation.channels().collect();
+    assert_eq!(read.len(), clip.channels.len());
+    let source_nodes = rig.nodes.len();
+    for (channel, read) in clip.channels.iter().zip(&read) {
+        match channel.target {
+            Target::Node(node) => assert_eq!(read.target().node().index(), node),
+            Target::NewRoot => assert_eq!(read.target().node().name(), Some("Root")),
+            Target::ContactLeft => assert_eq!(read.target().node().name(), Some("contact_L")),
+            Target::ContactRight => assert_eq!(read.target().node().name(), Some("contact_R")),
+        }
+        assert!(matches!(channel.target, Target::Node(_)) || read.target().node().index() >= source_nodes);
+        let reader = read.reader(|_| Some(blob));
+        assert_eq!(reader.read_inputs().expect("times").collect::<Vec<f32>>(), channel.times);
+        match (reader.read_outputs().expect("values"), &channel.values) {
+            (gltf::animation::util::ReadOutputs::Translations(read), KeyValues::Translation(keys)) => {
+                assert_eq!(&read.collect::<Vec<_>>(), keys);
+            }
+            (gltf::animation::util::ReadOutputs::Rotations(read), KeyValues::Rotation(keys)) => {
+                assert_eq!(&read.into_f32().collect::<Vec<_>>(), keys);
+            }
+            _ => panic!("another path"),
+        }
+    }
+    let extras: Value = serde_json::from_str(animation.extras().as_ref().expect("extras").get()).expect("JSON");
+    assert_eq!(extras["surefoot"]["events"][0]["time"].to_string(), "0.3333");
+    for node in gltf.nodes().skip(source_nodes) {
+        let in_scene = gltf.scenes().flat_map(|scene| scene.nodes().collect::<Vec<_>>()).any(|root| reaches(&root, node.index()));
+        assert!(in_scene, "{:?} is in no scene", node.name());
+    }
+}
+
+fn reaches(root: &gltf::Node, wanted: usize) -> bool {
+    root.index() == wanted || root.children().any(|child| reaches(&child, wanted))
+}
+
+/// The rigs of the data folder that load, by file name.
+fn real_rigs() -> Vec<(String, Rig)> {
+    let folder = std::env::var_os("SUREFOOT_DATA")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from)
+        .join("rigs");
+    let Ok(entries) = std::fs::read_dir(&folder) else {
+        println!("skipped: no {}", folder.display());
+        return Vec::new();
+    };
+    let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    paths.sort();
+    let name = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned());
+    paths.iter().filter_map(|path| Some((name(path)?, surefoot::rig::load(path).ok()?))).collect()
+}
+
+/// A motion for any body: hips that travel, turn and bob, limbs that swing, feet that go along. Nothing is planted.
+fn waving(rig: &Rig, time: f64) -> BodyPose {
+    let mut pose = BodyPose::rest(&rig.body);
+    let size = rig.body.height / 1.7;
+    let envelope = (std::f64::consts::PI * time / DURATION).sin().powi(2);
+    pose.hips += DVec3::new(0.05 * (4.0 * time).sin() * envelope, -0.05 * envelope, 0.2 * time) * size;
+    for (index, joint) in rig.body.joints.iter().enumerate() {
+        let wave = envelope * 0.1 * (3.0 * time + index as f64).sin();
+        let own = DQuat::from_rotation_x(wave) * DQuat::from_rotation_y(2.0 * wave) * DQuat::from_rotation_z(-wave);
+        pose.turns[index] = match joint.parent {
+            None => DQuat::from_rotation_y(0.5 * time / DURATION) * own,
+            Some(parent) if !joint.animated => pose.turns[parent],
+            Some(parent) => pose.turns[parent] * own,
+        };
+    }
+    pose
+}
+
+#[test]
+fn real_rigs_keep_everything_and_show_the_pose() {
+    let mut sources = serde_json::Map::new();
+    for (name, rig) in real_rigs() {
+        for mode in MODES {
+            let pose = |time: f64| waving(&rig, time);
+            let input =
+                KeyInput { rig: &rig, name: "shove", fps: 30.0, duration: DURATION, pose: &pose, contacts: &[], root_motion: mode };
+            let clip = keyed_clip(&input);
+            let made = glb(&rig, &[(clip.clone(), report(&clip))]).expect("can be written");
+            let file = format!("{name}.{}.glb", mode.name());
+            std::fs::write(baked(&file), &made.bytes).expect("can be written");
+            sources.insert(file.clone(), name.clone().into());
+            keeps_everything(&rig, &made.bytes, &made.changes);
+            reads_back(&rig, &clip, &made.bytes);
+            dump_pose(&rig, &clip, &made.names[0], &file);
+            if mode == RootMotion::InPlace {
+                continue;
+            }
+            let mut sampler = rig.sampler(&clip);
+            let mut worst = (0.0, 0.0, None);
+            for tick in 0..=90 {
+                let time = DURATION * f64::from(tick) / 90.0;
+                let (wanted, got) = (pose(time), sampler.sample(time));
+                for (joint, (wanted, got)) in wanted.positions(&rig.body).iter().zip(&got.positions).enumerate() {
+                    let off = wanted.distance(*got) / rig.body.height;
+                    if off > worst.0 {
+                        worst = (off, time, Some(rig.body.joints[joint].role));
+                    }
+                }
+            }
+            println!("{name} {}: {:.2} mm a metre of height at worst {worst:?}", mode.name(), worst.0 * 1e3);
+            assert!(worst.0 < 4e-3, "{name} {mode:?}: {worst:?}");
+        }
+    }
+    std::fs::write(baked("sources.json"), serde_json::to_vec(&sources).expect("JSON")).expect("can be written");
+}
+
+/// Where the body's nodes are at some times, for tests/tools/three_check.mjs and blender_check.py: document space.
+fn dump_pose(rig: &Rig, clip: &Clip, name: &str, file: &str) {
+    let mut sampler = rig.sampler(clip);
+    let samples: Vec<Value> = [0.0, 0.31, 0.75, 1.234, 2.0, 3.1, DURATION]
+        .iter()
+        .map(|time| {
+            let globals = sampler.node_globals(*time).to_vec();
+            let nodes: Vec<Value> = rig
+                .joint_nodes
+                .iter()
+                .flatten()
+                .map(|node| {
+                    let place = rig.document_from_scenario.point(globals[*node].translation);
+                    serde_json::json!([node, place.x, place.y, place.z])
+                })
+                .collect();
+            serde_json::json!({ "time": time, "nodes": nodes })
+        })
+        .collect();
+    let names: Vec<Option<&str>> = rig.nodes.iter().map(|node| node.name.as_deref()).collect();
+    let unit = rig.document_from_scenario.scale;
+    let dump = serde_json::json!({ "file": file, "clip": name, "unit": unit, "names": names, "samples": samples });
+    std::fs::write(baked(&format!("{file}.pose.json")), serde_json::to_vec(&dump).expect("JSON")).expect("can be written");
+}
+
+#[test]
+fn the_same_input_gives_the_same_bytes() {
+    let bytes = || {
+        let rig = synthetic::rig(synthetic::PLAIN);
+        let clip = clip(&rig, RootMotion::Root);
+        glb(&rig, &[(clip.clone(), report(&clip))]).expect("can be written").bytes
+    };
+    assert!(bytes() == bytes());
+}
+
+#[test]
+fn a_key_that_is_no_number_is_refused_with_its_node_and_time() {
+    let rig = synthetic::rig(synthetic::PLAIN);
+    let mut clip = clip(&rig, RootMotion::Root);
+    let hips = rig.hips_node();
+    let channel = clip.channels.iter_mut().find(|channel| channel.target == Target::Node(hips)).expect("hips move");
+    let KeyValues::Translation(keys) = &mut channel.values else { panic!("translations come first") };
+    keys[1][2] = f32::NAN;
+    let time = f64::from(channel.times[1]);
+    let report = report(&clip);
+    let error = glb(&rig, &[(clip, report)]).expect_err("NaN");
+    assert_eq!(error, ExportError::NotFinite { clip: "shove".into(), node: format!("translation of node {hips} \"hips\""), time });
+}
+
+#[test]
+fn several_buffers_outer_images_and_missing_scenes_become_one_whole_file() {
+    let mut rig = synthetic::rig(synthetic::PLAIN);
+    let json = &mut rig.document.json;
+    json.as_object_mut().expect("object").shift_remove("scenes");
+    json.as_object_mut().expect("object").shift_remove("scene");
+    json["buffers"] = serde_json::json!([{ "byteLength": 13, "uri": "one.bin", "name": "first" }, { "byteLength": 12, "uri": "two.bin" }]);
+    json["bufferViews"] = serde_json::json!([{ "buffer": 1, "byteLength": 12 }, { "buffer": 0, "byteOffset": 1, "byteLength": 5 }]);
+    json["images"] = serde_json::json!([{ "uri": "skin.png", "name": "skin" }, { "uri": "gone.png" }]);
+    let times: Vec<u8> = [1.0f32, 2.0, 3.0].iter().flat_map(|value| value.to_le_bytes()).collect();
+    let png = b"\x89PNG\r\n\x1a\nnot really".to_vec();
+    rig.document.buffers = vec![(0..13).collect(), times];
+    rig.document.image_files = vec![Some(png.clone()), None];
+    rig.document.glb_buffer = false;
+    let clip = clip(&rig, RootMotion::Root);
+    let made = glb(&rig, &[(clip.clone(), report(&clip))]).expect("can be written");
+    keeps_everything(&rig, &made.bytes, &made.changes);
+    let (json, bin) = json_of(&made.bytes);
+    assert_eq!(json["buffers"].as_array().map(Vec::len), Some(1));
+    assert_eq!(json["buffers"][0]["name"], "first");
+    let view = &json["bufferViews"][json["images"][0]["bufferView"].as_u64().expect("embedded") as usize];
+    let at = view["byteOffset"].as_u64().expect("offset") as usize;
+    assert!(bin[at..].starts_with(&png));
+    assert_eq!(json["images"][0]["mimeType"], "image/png");
+    assert_eq!(json["images"][1]["uri"], "gone.png");
+    assert_eq!(json["scenes"].as_array().map(Vec::len), Some(1));
+}
+
+#[test]
+fn a_still_pose_needs_one_key_a_channel() {
+    let rig = synthetic::rig(synthetic::PLAIN);
+    let pose = |_: f64| BodyPose::rest(&rig.body);
+    let still = keyed_clip(&KeyInput {
+        rig: &rig,
+        name: "still",
+        fps: 30.0,
+        duration: 2.0,
+        pose: &pose,
+        contacts: &[],
+        root_motion: RootMotion::Root,
+    });
+    let moving = still.channels.iter().filter(|channel| channel.times.len() > 1);
+    assert_eq!(moving.map(|channel| channel.target).collect::<Vec<_>>(), [Target::ContactLeft, Target::ContactRight]);
+    let head = rig.body.joint(Role::Head).expect("has one");
+    let off = rig.sample(&still, 1.0).positions[head].distance(rig.body.joints[head].rest);
+    assert!(off < 1e-6, "{off}");
+    assert!(rig.sample(&still, 99.0).hips.distance(DVec3::new(0.0, 0.95, 0.0)) < 1e-6);
+}

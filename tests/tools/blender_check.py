@@ -1,0 +1,67 @@
+"""Plays baked files with Blender's own importer and compares joint positions with the tool's own, to 1 mm.
+
+    pip install bpy; python blender_check.py FOLDER
+
+Reads the FOLDER/*.pose.json that the tests write (see three_check.mjs). Bones and objects are found by node name: only
+names that a file has once are compared. Run by hand.
+"""
+
+import json
+import sys
+from collections import Counter
+from pathlib import Path
+
+import bpy
+from mathutils import Vector
+
+
+def check(folder: Path, dump: dict) -> tuple[float, int]:
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    fps = 240.0
+    bpy.context.scene.render.fps = int(fps)
+    bpy.ops.import_scene.gltf(filepath=str(folder / dump["file"]), bone_heuristic="BLENDER", guess_original_bind_pose=False)
+    scene = bpy.context.scene
+    counts = Counter(dump["names"])
+    for owner in list(bpy.data.objects):  # leave only the clip's own tracks
+        if owner.animation_data:
+            owner.animation_data.action = None
+            for track in owner.animation_data.nla_tracks:
+                track.mute = not track.name.startswith(dump["clip"])
+                track.is_solo = False
+                for strip in track.strips:
+                    strip.extrapolation = "HOLD"
+    worst, count = 0.0, 0
+    for sample in dump["samples"]:
+        frame = sample["time"] * fps
+        scene.frame_set(int(frame), subframe=frame - int(frame))
+        places = {}
+        for owner in bpy.data.objects:
+            places.setdefault(owner.name, owner.matrix_world.translation)
+            if owner.type == "ARMATURE":
+                for bone in owner.pose.bones:
+                    places[bone.name] = owner.matrix_world @ bone.head
+        for node, x, y, z in sample["nodes"]:
+            name = dump["names"][node]
+            if not name or counts[name] > 1 or name not in places:
+                continue
+            off = (places[name] - Vector((x, -z, y))).length / dump["unit"]  # Blender is Z-up
+            count += 1
+            worst = max(worst, off)
+    return worst, count
+
+
+def main() -> int:
+    folder = Path(sys.argv[1])
+    bad = 0
+    dumps = sorted(folder.glob("*.pose.json"))
+    for path in dumps:
+        worst, count = check(folder, json.loads(path.read_text()))
+        good = count > 0 and worst <= 1e-3
+        bad += not good
+        print(f"{path.name}: {'ok' if good else 'BAD'}: {worst * 1000:.4f} mm at worst of {count}")
+    print(f"{len(dumps)} files, {bad} bad")
+    return 1 if bad or not dumps else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

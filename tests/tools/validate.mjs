@@ -1,0 +1,56 @@
+// Runs the Khronos validator over every GLB of a folder:
+//   node validate.mjs FOLDER [SOURCES]
+// Prints one line a file and fails on an error, or on a kind of warning that the file's source did not have. A file's source
+// is named in FOLDER/sources.json ({ "baked.glb": "rig.glb" }, relative to SOURCES); one without is compared with nothing.
+// gltf-validator is found beside this script, in NODE_PATH, or in SUREFOOT_NODE_MODULES.
+import { createRequire } from 'node:module';
+import { existsSync, readdirSync, readFileSync } from 'node:fs';
+import { dirname, join, resolve } from 'node:path';
+
+const modules = process.env.SUREFOOT_NODE_MODULES;
+const require = createRequire(modules ? join(resolve(modules), 'x.js') : import.meta.url);
+let validator;
+try {
+  validator = require('gltf-validator');
+} catch {
+  console.log('skipped: no gltf-validator (npm install gltf-validator, or set SUREFOOT_NODE_MODULES)');
+  process.exit(0);
+}
+
+const [folder, sources] = process.argv.slice(2);
+if (!folder) {
+  console.error('usage: node validate.mjs FOLDER [SOURCES]');
+  process.exit(2);
+}
+const sourceOf = existsSync(join(folder, 'sources.json')) ? JSON.parse(readFileSync(join(folder, 'sources.json'))) : {};
+
+async function findings(path) {
+  const report = await validator.validateBytes(new Uint8Array(readFileSync(path)), {
+    maxIssues: 0,
+    externalResourceFunction: async (uri) => new Uint8Array(readFileSync(join(dirname(path), decodeURIComponent(uri)))),
+  });
+  const kinds = new Map();
+  for (const message of report.issues.messages) {
+    if (message.severity > 1) continue;
+    const kind = `${message.severity === 0 ? 'error' : 'warning'} ${message.code}`;
+    const entry = kinds.get(kind) ?? { count: 0, example: `${message.pointer}: ${message.message}` };
+    entry.count += 1;
+    kinds.set(kind, entry);
+  }
+  return kinds;
+}
+
+let bad = 0;
+const files = readdirSync(folder).filter((name) => name.endsWith('.glb')).sort();
+for (const name of files) {
+  const found = await findings(join(folder, name));
+  const source = sourceOf[name] && sources ? join(sources, sourceOf[name]) : null;
+  const before = source && existsSync(source) ? await findings(source) : new Map();
+  const fresh = [...found].filter(([kind, entry]) => entry.count > (before.get(kind)?.count ?? 0));
+  const count = (severity) => [...found].filter(([kind]) => kind.startsWith(severity)).reduce((sum, [, entry]) => sum + entry.count, 0);
+  console.log(`${name}: ${count('error')} errors, ${count('warning')} warnings, ${fresh.length} kinds that the source did not have`);
+  for (const [kind, entry] of fresh) console.log(`  ${kind} x ${entry.count}: ${entry.example}`);
+  if (fresh.length > 0) bad += 1;
+}
+console.log(`${files.length} files, ${bad} with findings of their own`);
+process.exit(bad > 0 || files.length === 0 ? 1 : 0);
