@@ -184,7 +184,7 @@ fn contact_row(contact: &Contact) -> String {
         Part::Flat => "flat",
     };
     let foot = side_name(contact.foot);
-    let [x, y, z] = contact.position;
+    let [x, y, z] = contact.position.map(|metres| (metres * 100.0).round() / 100.0 + 0.0); // + 0.0: never "-0.00"
     let slip = contact.slip_mm;
     format!(
         "{foot:<5}  {part}  {:7.3} to {:7.3} s  at ({x:6.2}, {y:5.2}, {z:6.2})  slip {slip:.2} mm",

@@ -2,6 +2,7 @@
 
 pub mod body;
 pub mod clip;
+pub mod physique;
 pub mod pose;
 pub mod report;
 pub mod role;
@@ -14,6 +15,7 @@ pub mod scenario_text;
 
 pub use body::{Body, BodyJoint, FootShape, Segment, Side};
 pub use clip::{Channel, Clip, Interpolation, KeyValues, Target};
+pub use physique::{Physique, Plant};
 pub use pose::BodyPose;
 pub use report::ClipReport;
 pub use role::Role;
