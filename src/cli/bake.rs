@@ -106,7 +106,8 @@ fn summary(baked: &Baked, name: &str, places: &Places, size: usize) -> String {
     let report = &baked.report;
     let mut text = String::new();
     let mut line = |label: &str, what: std::fmt::Arguments| {
-        text += &format!("{label:<11}{what}\n");
+        text += format!("{label:<11}{what}").trim_end();
+        text.push('\n');
     };
     line("baked", format_args!("{} ({})", places.output.display(), bytes(size)));
     line("events", format_args!("{}", places.events.display()));
