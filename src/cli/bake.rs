@@ -96,7 +96,7 @@ fn as_json(baked: &Baked, name: &str, places: Option<&Places>) -> String {
         "sheet": text(places.and_then(|places| places.sheet)),
         "clip": name,
         "warnings": baked.warnings,
-        "report": baked.report,
+        "report": crate::export::events::report_json(name, &baked.report).unwrap_or_default(),
     });
     format!("{object}\n")
 }
