@@ -437,7 +437,12 @@ fn real_bakes_keep_their_feet_with_few_keys() {
         let added = (json.to_string().len() + bin.len()).saturating_sub(before); // 0 where a data: uri went away
         println!(
             "{name}: {:.1} s, slip {:.2} mm (pose {:.2}), {keys} keys on {} channels, {:.1} %, {:.1} kB, {spent:.1} ms",
-            clip.duration, slip * 1e3, exact_slip * 1e3, clip.channels.len(), share * 1e2, added as f64 / 1e3
+            clip.duration,
+            slip * 1e3,
+            exact_slip * 1e3,
+            clip.channels.len(),
+            share * 1e2,
+            added as f64 / 1e3
         );
         assert!(slip < exact_slip + 0.5e-3, "{name}: {slip} m, the pose itself {exact_slip} m");
         assert!(exact_slip > 1e-3 || share < 0.3, "{name}: {share}"); // a pose that jumps needs its keys
