@@ -15,11 +15,11 @@ use glam::{DVec2, DVec3};
 /// m, how far inside the support the ZMP is asked to be.
 const MARGIN: f64 = 0.02;
 /// Weight of a sample whose ZMP is inside already (outside: 1).
-const INSIDE_WEIGHT: f64 = 0.25;
+const INSIDE_WEIGHT: f64 = 0.05;
 /// Share of the body's weight on the ground below which the ZMP says nothing.
 const LEAST_WEIGHT: f64 = 0.2;
 /// Weight of the third difference, at 10 ms.
-const SMOOTHNESS: f64 = 1e6;
+const SMOOTHNESS: f64 = 1e5;
 
 /// One pass: adds to `timeline.shift`; returns the largest distance of the ZMP out of the support before it, m.
 pub fn pass(timeline: &mut Timeline, poses: &[BodyPose], contacts: &[HeldContact], pushes: &[KnownPush]) -> f64 {
