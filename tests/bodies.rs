@@ -1,5 +1,7 @@
 //! The bodies of real rigs: plausible heights, masses, centres and soles. `--nocapture` prints the table.
 
+#![expect(clippy::print_stdout, reason = "the table, and what was skipped")]
+
 use glam::DVec3;
 use std::path::PathBuf;
 use surefoot::model::{Body, Side};

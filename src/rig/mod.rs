@@ -25,6 +25,7 @@ pub mod nodes;
 pub mod overrides;
 mod segments;
 mod sole;
+mod sole_plane;
 pub mod space;
 pub mod vrm;
 
