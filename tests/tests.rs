@@ -10,6 +10,8 @@ mod cli;
 mod common;
 /// Baked files: the source kept whole, read again, by the Khronos validator, three.js.
 mod export;
+/// The same for rigs that nobody here made: slip, keys, the Khronos validator.
+mod export_real;
 /// What the measures say of a walk over force plates.
 mod measure;
 /// Rigs and motions made by hand for the modules above.

@@ -2,7 +2,7 @@
 //!
 //! Scenario space, m. Only the chain from the scene's root to the foot is computed: this runs thousands of times a clip.
 
-use super::keys::{quaternion, vector};
+use super::track::{quaternion, vector};
 use crate::measure::support::held_points;
 use crate::model::{Side, report::Part};
 use crate::rig::Rig;
@@ -12,9 +12,9 @@ use glam::{DAffine3, DQuat, DVec3};
 /// One foot's chain of nodes.
 #[derive(Clone, Debug)]
 pub(super) struct LegChain {
-    base: DAffine3,               // scenario space from the document's world
-    new_root: [Option<usize>; 2], // tracks: translation, rotation
-    links: Vec<Link>,             // parents first
+    base: DAffine3,                   // scenario space from the document's world
+    new_root: [Option<usize>; 2],     // tracks: translation, rotation
+    links: Vec<Link>,                 // parents first
     points: [Vec<(usize, DVec3)>; 3], // flat, ball, heel: link, point in its node
 }
 

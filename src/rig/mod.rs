@@ -22,6 +22,7 @@ pub mod mesh;
 pub mod names;
 pub mod nodes;
 pub mod overrides;
+mod sampler;
 mod segments;
 mod sole;
 pub mod space;
