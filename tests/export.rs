@@ -1,5 +1,7 @@
 //! From poses to the bytes of a GLB and back: what an independent reader finds is what was posed, and nothing is lost.
 
+#![expect(clippy::print_stdout, reason = "tests tell what they measured")]
+
 use crate::synthetic::{self, DURATION, contacts, held, stepping, troubles};
 use glam::DVec3;
 use serde_json::Value;

@@ -1,5 +1,7 @@
 //! Rigs that nobody here made, baked and read back; the files stay in target/baked for the scripts of tests/tools.
 
+#![expect(clippy::print_stdout, reason = "tests tell what they measured")]
+
 use crate::export::{MODES, baked_path, dump_pose, json_of, keeps_everything, reads_back, report};
 use crate::synthetic::{DURATION, held};
 use glam::{DQuat, DVec3};
