@@ -12,7 +12,15 @@ mod common;
 mod export;
 /// The same for rigs that nobody here made: slip, keys, the Khronos validator.
 mod export_real;
+/// Files that are broken, malicious or of another kind.
+mod hostile;
 /// What the measures say of a walk over force plates.
 mod measure;
+/// Contact sheets of real rigs.
+mod picture;
+/// Rigs made from others or from nothing: scales, axes, skins, naming conventions, lacking bones, overrides.
+mod rig_variants;
+/// Real rigs: bones, height, heading, unit.
+mod rigs;
 /// Rigs and motions made by hand for the modules above.
 mod synthetic;

@@ -208,11 +208,11 @@ fn extrapolate_arm(side: Side, height: f64, skin: &Skin, places: &mut BTreeMap<R
 fn height(input: &BodyInput, skin: &Skin) -> f64 {
     let place = |role: Role| input.bones.get(&role).map(|bone| bone.1);
     let head = place(Role::Head);
-    let mut top: Vec<DVec3> = skin.head(true);
-    if top.len() < 4 {
-        top = skin.head(false);
-    }
-    if let Some(crown) = crown(&top).filter(|crown| *crown > head.map_or(0.0, |head| head.y)) {
+    // Hair and hats hang on nodes of their own under the head; but so may most of the skull, on a leaf joint.
+    let joint = head.map_or(0.0, |head| head.y);
+    let (itself, whole) = (crown(&skin.head(true)), crown(&skin.head(false)));
+    let skull = itself.filter(|top| whole.is_none_or(|whole| *top - joint > 0.55 * (whole - joint))).or(whole);
+    if let Some(crown) = skull.filter(|crown| *crown > head.map_or(0.0, |head| head.y)) {
         return crown.max(1e-3);
     }
     let highest = input.bones.values().map(|bone| bone.1.y).fold(0.0, f64::max);

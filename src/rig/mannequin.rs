@@ -69,7 +69,7 @@ pub(super) struct Bone {
     pub parent: Option<usize>,
     /// m, scenario space.
     pub place: DVec3,
-    /// Degrees: (axis of motion, from, to), as `notes` of the range of motion list them.
+    /// Degrees from the neutral stand (arms down, legs straight): (motion, from, to), usual ranges of motion of an adult.
     pub limits: &'static [(&'static str, f64, f64)],
 }
 
@@ -85,7 +85,7 @@ pub(super) fn arm_direction() -> DVec3 {
 }
 
 /// Where the left arm begins, m.
-pub(super) const SHOULDER: DVec3 = DVec3::new(0.178, 1.375, -0.012);
+pub(super) const SHOULDER: DVec3 = DVec3::new(0.170, 1.364, -0.013);
 
 /// Root, trunk, and both sides.
 fn skeleton() -> Vec<Bone> {

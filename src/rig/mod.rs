@@ -7,6 +7,7 @@ pub mod accessor;
 pub mod animate;
 pub mod bind;
 pub mod body;
+pub mod clips;
 pub mod document;
 pub mod error;
 pub mod geometry;

@@ -15,6 +15,10 @@ const TOE_LEVEL_WITHIN: f64 = 12.0 * std::f64::consts::PI / 180.0;
 const STEEPEST: f64 = 1.8;
 /// Sole vertices lie within this share of the height over the plane (15 mm for 1.7 m).
 const BAND: f64 = 0.0088;
+/// Sine of the roll over which a mesh is no foot (25 degrees).
+const MOST_ROLL: f64 = 0.4226;
+/// Vertices this close to the lowest, share of the height, are on the ground with it (4 mm for 1.7 m).
+const FLAT_BAND: f64 = 0.0025;
 /// Points kept for each of the two parts of a sole.
 const MOST_POINTS: usize = 20;
 
@@ -48,12 +52,19 @@ pub(super) fn foot_shape(input: &FootInput) -> (FootShape, Vec<String>) {
     if input.vertices.len() < 4 {
         return (from_joints(input), Vec::new());
     }
-    from_mesh(input).unwrap_or_else(|| {
-        (
-            from_joints(input),
-            vec![format!("the {} foot's mesh has no extent; its sole is made from the joints", name(input.side))],
-        )
+    from_mesh(input).filter(|(shape, _)| is_plausible(shape)).unwrap_or_else(|| {
+        let note = format!("the mesh around the {} foot makes no sole; it is made from the joints", name(input.side));
+        (from_joints(input), vec![note])
     })
+}
+
+/// A foot stands under its ankle, is not much wider than long, and was not lying on its side.
+fn is_plausible(shape: &FootShape) -> bool {
+    let normal = shape.level.inverse() * DVec3::Y;
+    let length = shape.tip - shape.heel;
+    let rolled = aside(normal, shape.forward).abs() > MOST_ROLL;
+    let under = shape.heel < 0.25 * length && shape.tip > 0.1 * length && shape.ankle_height > 0.0;
+    !rolled && under && 2.0 * shape.half_width < 1.5 * length
 }
 
 fn name(side: Side) -> &'static str {
@@ -121,7 +132,7 @@ fn from_mesh(input: &FootInput) -> Option<(FootShape, Vec<String>)> {
         level = DQuat::from_rotation_arc(normal, DVec3::Y) * level;
         forward = heading(input, &all, level);
     }
-    if angle_of(level) < LEVEL_WITHIN {
+    if angle_of(level) < LEVEL_WITHIN || lies_flat(input, &rear, &all) {
         level = DQuat::IDENTITY;
         forward = heading(input, &all, level);
     } else {
@@ -171,7 +182,7 @@ fn from_mesh(input: &FootInput) -> Option<(FootShape, Vec<String>)> {
         return None;
     }
     let mut ball = ball_line(input, level, forward, heel, tip);
-    if ball < heel + 0.4 * (tip - heel) || ball > heel + 0.95 * (tip - heel) {
+    if ball < heel + 0.45 * (tip - heel) || ball > heel + 0.95 * (tip - heel) {
         toe = None;
         ball = heel + 0.72 * (tip - heel);
     }
@@ -222,6 +233,23 @@ fn from_mesh(input: &FootInput) -> Option<(FootShape, Vec<String>)> {
         front_sole,
     };
     Some((shape, warnings))
+}
+
+/// Whether a good part of the foot's length and width is already on the lowest level: blocks and spheres for feet have faces
+/// under their middle that are no soles.
+fn lies_flat(input: &FootInput, rear: &[DVec3], all: &[DVec3]) -> bool {
+    let forward = heading(input, all, DQuat::IDENTITY);
+    let size = |points: &[DVec3]| {
+        let one = |measure: fn(DVec3, DVec2) -> f64| {
+            extent(points.iter().map(|point| measure(*point, forward))).map_or(0.0, |(low, high)| high - low)
+        };
+        (one(along), one(aside))
+    };
+    let Some((lowest, _)) = extent(rear.iter().map(|point| point.y)) else { return true };
+    let touching: Vec<DVec3> =
+        rear.iter().copied().filter(|point| point.y < lowest + FLAT_BAND * input.height).collect();
+    let ((length, width), (whole_length, whole_width)) = (size(&touching), size(rear));
+    length > 0.5 * whole_length && width > 0.3 * whole_width
 }
 
 /// Along the foot, from the ankle.
@@ -547,5 +575,15 @@ mod tests {
             let (shape, _) = foot_shape(&input(&vertices, Some(TOE)));
             assert!(shape.tip > shape.heel, "{shape:?}");
         }
+    }
+
+    #[test]
+    fn a_mesh_that_is_no_foot_is_not_believed() {
+        let roll = DQuat::from_rotation_z(40f64.to_radians());
+        let vertices: Vec<FootVertex> =
+            box_foot().iter().map(|vertex| FootVertex { offset: roll * vertex.offset, ..*vertex }).collect();
+        let (shape, warnings) = foot_shape(&input(&vertices, Some(TOE)));
+        assert_eq!((shape.level, warnings.len()), (DQuat::IDENTITY, 1));
+        assert_near(shape.ball, 0.11, 1e-9, "ball, by the joints");
     }
 }

@@ -93,9 +93,9 @@ impl Session {
 pub fn simulate_pushes(physique: &Physique, pushes: &[SessionPush], options: &SimulateOptions) -> Trace {
     let mut session = Session::new(physique, &options.style, options.dt);
     let start = session.state.feet;
-    let planned = (options.duration / options.dt).ceil().max(0.0) as usize;
-    let most = planned + (options.extra / options.dt).ceil().max(0.0) as usize;
-    let mut ticks = Vec::with_capacity(planned + 1);
+    let planned = ticks_in(options.duration, options.dt);
+    let most = planned + ticks_in(options.extra, options.dt);
+    let mut ticks = Vec::with_capacity(planned.min(100_000) + 1);
     let mut steps = Vec::new();
     ticks.push(*session.tick_state());
     let settle = 0.5;
@@ -111,6 +111,11 @@ pub fn simulate_pushes(physique: &Physique, pushes: &[SessionPush], options: &Si
         }
     }
     Trace { dt: options.dt, ticks, steps, start, lost: session.state.lost, rest: session.state.rest }
+}
+
+/// Whole ticks that cover that time; a day at most.
+fn ticks_in(time: f64, dt: f64) -> usize {
+    (time / dt - 1e-9).ceil().clamp(0.0, 8.64e6) as usize
 }
 
 /// The sum of what acts during the tick from `time`: a push that covers part of it counts by that part.

@@ -1,7 +1,9 @@
-//! Where a foot must land: the paper's step length from the state predicted at touchdown, bent to what legs can do.
+//! Where a foot must land: the paper's step length from the state predicted at touchdown, bent to what legs can do; and
+//! where the feet and the body are at ease.
 //!
 //! Ground plane (x, z), metres, seconds.
 
+use super::balance::{braking, steady_lean};
 use super::{Params, Passing, Physique, Plant, State, Support, ground, support, support::Tread, swing};
 use crate::maths::pendulum;
 use crate::model::Side;
@@ -40,7 +42,7 @@ pub fn corrective(
     let lean = steady_lean(physique, state);
     let pivot = sole.nearest(state.xi() + lean) - lean;
     let more = state.pushed.min(params.expect).min(time.max(0.0));
-    let shove = state.touch * (more / physique.mass);
+    let shove = expected(params, physique, state, time);
     let (com, velocity) = (ground(state.com) - shove * (0.5 * more), ground(state.velocity) + shove);
     let (com, velocity) = pendulum::predict(com, velocity, pivot, state.omega(), time.max(0.0));
     let speed = velocity.length();
@@ -89,29 +91,16 @@ pub fn corrective(
     Foothold { plant, miss, off: ankle.distance(wanted), speed, across }
 }
 
+/// m/s that the push of this moment will add within `time` s, if it goes on as pushes do.
+pub fn expected(params: &Params, physique: &Physique, state: &State, time: f64) -> DVec2 {
+    state.touch * (state.pushed.min(params.expect).min(time.max(0.0)) / physique.mass)
+}
+
 /// The point that a corrective step to that plant means to have ξ at when it lands.
 pub fn over_foot(params: &Params, state: &State, side: Side, passing: Passing, plant: &Plant) -> DVec2 {
     let (ahead, out) = (support::forward(state.facing), support::left(state.facing) * side.sign());
     let outward = if passing == Passing::Own { params.outward } else { params.across };
     ground(plant.ankle) + ahead * params.com_forward - out * outward
-}
-
-/// The pressure under the stance foot that slows the fall most; a foot that crosses is met half-way, forward or back,
-/// because it cannot land in line.
-pub fn braking(
-    params: &Params,
-    state: &State,
-    passing: Passing,
-    sole: &Support,
-    (xi, fin): (DVec2, DVec2),
-    time: f64,
-) -> DVec2 {
-    if passing == Passing::Own {
-        return sole.nearest(xi);
-    }
-    let ahead = support::forward(state.facing);
-    let pivot = pendulum::pivot_for(xi, fin, state.omega(), time.max(0.1 * params.tempo));
-    sole.nearest(xi + ahead * (pivot - xi).dot(ahead))
 }
 
 /// How far ahead of (or behind) the stance foot a crossing foot must land, m: clear of the sole where the two are in
@@ -135,9 +124,16 @@ pub fn middle(params: &Params, facing: f64, ankles: [DVec2; 2]) -> DVec2 {
     (ankles[0] + ankles[1]) * 0.5 + support::forward(facing) * params.com_forward
 }
 
-/// How far the centre of pressure must lie ahead of ξ, along the lasting push, to hold against it.
-pub fn steady_lean(physique: &Physique, state: &State) -> DVec2 {
-    state.felt / (physique.mass * state.omega() * state.omega())
+/// The point to stand over once `side` has come beside the other.
+pub fn middle_after(params: &Params, physique: &Physique, state: &State, side: Side) -> DVec2 {
+    let stance = ground(state.feet[side.other() as usize].ankle);
+    let to = ground(beside(params, physique, state, side).ankle);
+    middle(params, state.facing, [stance, to])
+}
+
+/// Both ankles on the ground, left and right.
+pub fn ankles(state: &State) -> [DVec2; 2] {
+    [ground(state.feet[0].ankle), ground(state.feet[1].ankle)]
 }
 
 fn within(point: DVec2, centre: DVec2, radius: f64) -> DVec2 {

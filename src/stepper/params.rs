@@ -94,6 +94,7 @@ pub struct Params {
     pub least_step: f64,  // m, a corrective step is no shorter than so, if it may be longer
     pub retarget: f64,    // m/s, how fast a swing's landing can be moved
     pub expect: f64,      // s, a push is expected to go on for as long as it has lasted, but no longer than so
+    pub foresee: f64,     // N, of a push harder than so, what it will yet do counts for the decision to step
     pub tipping: f64,     // share of a high push's moment that ends up as speed
     pub delay: f64,       // s, until the ankles answer with their full gain
     pub cost_speed: f64,  // s, weight of the speed at touchdown in the choice of a foot
@@ -138,7 +139,7 @@ impl Params {
             trigger: style.trigger,
             support: style.support,
             width,
-            com_forward: physique.com_forward.clamp(physique.heel + 2.0 * margin, physique.tip - 2.0 * margin),
+            com_forward: physique.com_forward.min(physique.tip - 2.0 * margin).max(physique.heel + 2.0 * margin),
             tempo,
             size,
             spring: 23.6 * weight / physique.leg_length, // 25 kN/m for the reference body
@@ -146,7 +147,7 @@ impl Params {
             circle_radius: 0.08 * size,
             margin,
             inner: 0.008 * size,
-            outer: (0.045 - 0.05 * style.readiness.clamp(0.0, 1.0)) * -size + 0.02 * size,
+            outer: 0.05 * (style.readiness.clamp(0.0, 1.0) - 0.5) * size,
             gain: 1.0,
             lag: 0.036 * tempo,
             sense: 0.06 * tempo,
@@ -170,6 +171,7 @@ impl Params {
             least_step: 0.2 * size,
             retarget: dial(2.0, 3.0, 8.0) * pace,
             expect: 0.12 * tempo,
+            foresee: 0.25 * weight,
             tipping: 0.2,
             delay: 0.2 * tempo,
             cost_speed: 0.13 * tempo,

@@ -108,6 +108,8 @@ pub struct State {
     pub last: Option<Side>,
     /// s, at rest by the measures' definition.
     pub rest: f64,
+    /// s, the same by a speed that scales with the body.
+    pub calm: f64,
     /// s, when balance was lost.
     pub lost: Option<f64>,
 }
@@ -127,7 +129,7 @@ impl State {
     /// At rest, the ankles' middle over `place`, facing `facing`.
     pub fn standing(params: &Params, physique: &Physique, place: DVec2, facing: f64) -> State {
         let feet = Side::BOTH.map(|side| {
-            let ankle = place + support::left(facing) * (side.sign() * 0.5 * physique.stance_width);
+            let ankle = place + support::left(facing) * (side.sign() * 0.5 * params.width);
             Plant { ankle: DVec3::new(ankle.x, 0.0, ankle.y), yaw: facing + side.sign() * physique.toe_out }
         });
         let over = place + support::forward(facing) * params.com_forward;
@@ -153,6 +155,7 @@ impl State {
             recovering: 1e3 * params.tempo,
             last: None,
             rest: 0.0,
+            calm: 0.0,
             lost: None,
         }
     }

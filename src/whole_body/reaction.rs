@@ -10,7 +10,7 @@ use super::stand::{TRUNK_LEAN, relaxed_arms};
 use crate::maths::curve::soft_limit;
 use crate::maths::spring::Spring;
 use crate::model::Side;
-use crate::stepper::{Physique, Plant};
+use crate::model::{Physique, Plant};
 use glam::{DQuat, DVec2, DVec3};
 use std::f64::consts::TAU;
 

@@ -1,0 +1,88 @@
+//! The spring legs and the flight of the centre of mass: height by springs whose rest lengths the feet set, level motion
+//! by the lean over the centre of pressure, the push on top.
+
+use super::{Inputs, Params, Physique, State, StepKind, ground, support, swing};
+use crate::maths::pendulum::{self, GRAVITY};
+use crate::model::Side;
+use glam::{DVec2, DVec3};
+
+/// Moves the centre of mass on by `dt` s.
+pub fn integrate(params: &Params, physique: &Physique, state: &mut State, inputs: &Inputs, dt: f64) {
+    let rest = rest_height(params, physique, state).min(physique.com_height - state.arc);
+    let push = inputs.force / physique.mass;
+    let spring = (params.spring * (rest - state.com.y) - params.damper * state.velocity.y) / physique.mass;
+    let wanted = match &state.swing {
+        // the stance leg gives way, so that the fall is caught by the landing foot and not pushed on by the other
+        Some(swing) if swing.kind == StepKind::Corrective => {
+            let left_over = (swing.land - state.time).max(dt);
+            let drop = landing_height(params, physique, state) - state.com.y - state.velocity.y * left_over;
+            (2.0 * params.give * drop / (left_over * left_over)).min(0.0)
+        }
+        _ => spring,
+    };
+    let lift =
+        state.lift + (wanted.clamp(-0.35 * GRAVITY, 1.0 * GRAVITY) - state.lift) * (1.0 - (-dt / params.leg_lag).exp());
+    let lift = if lift.abs() < 1e-12 * GRAVITY { 0.0 } else { lift };
+    state.lift = lift;
+    let tip = state.tip * (1.0 / (0.2 * params.tempo));
+    state.tip -= tip * dt;
+    let flat = (ground(state.com) - state.cop) * ((GRAVITY + lift) / state.com.y) + tip;
+    let acceleration = DVec3::new(flat.x + push.x, lift + push.y, flat.y + push.z);
+    state.com += state.velocity * dt + acceleration * (0.5 * dt * dt);
+    state.velocity += acceleration * dt;
+    state.acceleration = acceleration;
+    let off = Side::BOTH
+        .into_iter()
+        .filter(|&side| state.planted(side))
+        .map(|side| {
+            hip(params, ground(state.com), state.facing, side).distance_squared(ground(state.feet[side as usize].ankle))
+        })
+        .fold(f64::INFINITY, f64::min);
+    let height = physique.com_height;
+    let arc = params.slip_arc * (height - (height * height - off.min(0.5 * height * height)).sqrt());
+    state.arc += (arc - state.arc) * (1.0 - (-dt / (0.06 * params.tempo)).exp());
+}
+
+/// The height that the legs allow: each spring's rest length makes up for gravity, the longest is the whole leg.
+fn rest_height(params: &Params, physique: &Physique, state: &State) -> f64 {
+    let mut height = physique.com_height;
+    for side in Side::BOTH {
+        let (ankle, weight) = match &state.swing {
+            Some(swing) if swing.side == side => {
+                let u = swing::phase(swing, state.time);
+                (ground(swing.to.ankle), u * u * (3.0 - 2.0 * u))
+            }
+            _ => (ground(state.feet[side as usize].ankle), 1.0),
+        };
+        let allowed = leg_height(params, physique, (ground(state.com), state.facing), side, ankle);
+        height = height.min(physique.com_height + (allowed - physique.com_height) * weight);
+    }
+    height.max(0.7 * physique.com_height)
+}
+
+/// The height that the legs will allow when the swing lands.
+fn landing_height(params: &Params, physique: &Physique, state: &State) -> f64 {
+    let Some(swing) = &state.swing else { return physique.com_height };
+    let left_over = (swing.land - state.time).max(0.0);
+    let stance = &state.feet[swing.side.other() as usize];
+    let (com, _) = pendulum::predict(ground(state.com), ground(state.velocity), state.cop, state.omega(), left_over);
+    let new = leg_height(params, physique, (com, state.facing), swing.side, ground(swing.to.ankle));
+    let old = leg_height(params, physique, (com, state.facing), swing.side.other(), ground(stance.ankle));
+    new.min(old).max(0.84 * physique.com_height)
+}
+
+/// The centre of mass's height with that leg stretched.
+fn leg_height(params: &Params, physique: &Physique, (com, facing): (DVec2, f64), side: Side, ankle: DVec2) -> f64 {
+    let hip = hip(params, com, facing, side);
+    let across = hip - ankle;
+    let behind = across.dot(support::forward(facing)).max(0.0) / physique.leg_length;
+    let upright = physique.hip_height - physique.ankle_height;
+    let leg = params.leg_span.max(upright) + 0.07 * params.size * (2.5 * behind).min(1.0);
+    let tall = (leg * leg - across.length_squared()).max(0.0).sqrt();
+    physique.com_height + (tall - upright).min(0.0)
+}
+
+/// Where that hip is over the ground.
+pub fn hip(params: &Params, com: DVec2, facing: f64, side: Side) -> DVec2 {
+    com - support::forward(facing) * params.com_forward + support::left(facing) * (0.5 * side.sign() * params.width)
+}
