@@ -152,7 +152,9 @@ fn real_bakes_keep_their_feet_with_few_keys() {
             added as f64 / 1e3
         );
         assert!(exact_slip > 1e-3 || slip < 0.5e-3, "{name}: {slip} m, the pose itself {exact_slip} m");
-        assert!(exact_slip > 1e-3 || share < 0.3, "{name}: {share}"); // a pose that jumps needs its keys
+        // A pose that jumps needs its keys; where little but legs has bones, the legs' dense keys are most of them.
+        let most = if clip.channels.len() > 30 { 0.3 } else { 0.5 };
+        assert!(exact_slip > 1e-3 || share < most, "{name}: {share}");
     }
 }
 
