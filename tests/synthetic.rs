@@ -55,7 +55,10 @@ pub fn troubles() -> Vec<(&'static str, Trouble)> {
     ]
 }
 
-const BONES: &[(&str, Option<&str>, [f64; 3], Option<Role>)] = &[
+/// Name, parent, place in scenario space, role.
+type Bone = (&'static str, Option<&'static str>, [f64; 3], Option<Role>);
+
+const BONES: &[Bone] = &[
     ("hips", None, [0.0, 0.95, 0.0], Some(Role::Hips)),
     ("spine", Some("hips"), [0.0, 1.05, -0.01], Some(Role::Spine)),
     ("chest", Some("spine"), [0.0, 1.25, -0.01], Some(Role::Chest)),

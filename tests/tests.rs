@@ -10,6 +10,8 @@ mod cli;
 mod common;
 /// Baked files: the source kept whole, read again, by the Khronos validator, three.js.
 mod export;
+/// The same for rigs that nobody here made: slip, keys, the Khronos validator.
+mod export_real;
 /// Files that are broken, malicious or of another kind.
 mod hostile;
 /// What the measures say of a walk over force plates.

@@ -2,7 +2,7 @@
 //!
 //! Scenario space, m. Only the chain from the scene's root to the foot is computed: this runs thousands of times a clip.
 
-use super::keys::{quaternion, vector};
+use super::track::{quaternion, vector};
 use crate::measure::support::held_points;
 use crate::model::{Side, report::Part};
 use crate::rig::Rig;

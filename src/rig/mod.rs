@@ -23,6 +23,7 @@ pub mod mesh;
 pub mod names;
 pub mod nodes;
 pub mod overrides;
+mod sampler;
 mod segments;
 mod sole;
 mod sole_plane;

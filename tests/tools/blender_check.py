@@ -60,7 +60,11 @@ def main() -> int:
     bad = 0
     dumps = sorted(folder.glob("*.pose.json"))
     for path in dumps:
-        worst, count = check(folder, json.loads(path.read_text()))
+        dump = json.loads(path.read_text())
+        if not any(dump["names"]):
+            print(f"{path.name}: skipped: no node has a name")
+            continue
+        worst, count = check(folder, dump)
         good = count > 0 and worst[0] <= 1e-3
         bad += not good
         print(f"{path.name}: {'ok' if good else 'BAD'}: {worst[0] * 1000:.4f} mm at worst of {count} ({worst[1]})")
