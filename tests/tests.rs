@@ -12,5 +12,7 @@ mod common;
 mod export;
 /// What the measures say of a walk over force plates.
 mod measure;
+/// The controller: standing, recovering, stepping.
+mod stepper;
 /// Rigs and motions made by hand for the modules above.
 mod synthetic;
