@@ -22,5 +22,7 @@ mod picture;
 mod rig_variants;
 /// Real rigs: bones, height, heading, unit.
 mod rigs;
+/// The controller: standing, recovering, stepping.
+mod stepper;
 /// Rigs and motions made by hand for the modules above.
 mod synthetic;

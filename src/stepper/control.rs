@@ -51,7 +51,7 @@ fn perceive(params: &Params, physique: &Physique, state: &mut State, inputs: &In
     state.pushed = if shoved { state.pushed + dt } else { 0.0 };
     if shoved || (state.xi() - aim).length() > 0.03 * params.size {
         state.alarm += dt;
-    } else if state.calm >= params.pause && state.intent.is_none() {
+    } else if state.calm >= params.pause - params.instant && state.intent.is_none() {
         state.alarm = 0.0;
     }
 }

@@ -40,7 +40,7 @@ pub fn decide(params: &Params, physique: &Physique, state: &mut State) {
     let recovering = state.recovering < params.tempo;
     let kind = if recovering { StepKind::FollowUp } else { StepKind::Comfort };
     state.intent = None;
-    if kind == StepKind::Comfort && state.calm < params.pause {
+    if kind == StepKind::Comfort && state.calm < params.pause - params.instant {
         return;
     }
     let gap = |side: Side| ground(state.feet[side as usize].ankle).distance(xi);
@@ -109,12 +109,12 @@ pub fn lift(params: &Params, physique: &Physique, state: &mut State, dt: f64) ->
     let from = state.feet[intent.side as usize];
     let stance = state.feet[intent.side.other() as usize];
     let sole = Support::one(params, physique, &stance, Tread::Whole, 0.5 * params.margin);
-    if state.settled < params.double_support || sole.outside(state.cop) > 0.0 {
+    if state.settled < params.double_support - params.instant || sole.outside(state.cop) > 0.0 {
         return None;
     }
     let swing_time = match intent.kind {
         StepKind::Corrective => {
-            if state.alarm < params.reaction && state.recovering > params.tempo {
+            if state.alarm < params.reaction - params.instant && state.recovering > params.tempo {
                 return None;
             }
             let speed = ground(state.velocity) * (params.tempo / params.size);

@@ -73,6 +73,7 @@ pub struct Params {
     pub lag: f64,           // s, time constant of the centre of pressure
     pub sense: f64,         // s, time constant of the perceived push
     // Timing.
+    pub instant: f64,        // s, clocks that differ by less are equal: sums of ticks are not exact
     pub reaction: f64,       // s, from the disturbance's being felt to the first lift
     pub swing: f64,          // s, a corrective swing
     pub follow_swing: f64,   // s
@@ -151,6 +152,7 @@ impl Params {
             gain: 1.0,
             lag: 0.036 * tempo,
             sense: 0.06 * tempo,
+            instant: 1e-9 * tempo,
             reaction: dial(0.20, 0.11, 0.0) * tempo,
             swing: dial(0.36, 0.30, 0.22) * tempo,
             follow_swing: dial(0.42, 0.37, 0.30) * tempo,
