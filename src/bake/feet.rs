@@ -18,6 +18,8 @@ const FASTEST_ROLL: f64 = 1.9;
 
 /// rad, dorsiflexion past which the heel comes up: a little inside of the ankle's range of 30 degrees.
 const DORSIFLEXION: f64 = 26.0 * std::f64::consts::PI / 180.0;
+/// rad, dorsiflexion with which a foot may land.
+const LANDING_FLEXION: f64 = 16.0 * std::f64::consts::PI / 180.0;
 /// rad.
 const MOST_PITCH: f64 = 45.0 * std::f64::consts::PI / 180.0;
 
@@ -108,6 +110,12 @@ impl FootCurves {
                         swing.heel_off = swing.heel_off.max((swing.lift - time + 0.05).min(swing.lift - before));
                         swing.peak = swing.peak.max((forwards - DORSIFLEXION + 0.10).min(MOST_PITCH));
                     }
+                }
+                // The leg lands as its shank leans: reaching ahead heel first, under the body flat, behind it ball first.
+                let landing = *ticks(swing.land, swing.land).end();
+                let least = lean(landing, swing.to.yaw) - LANDING_FLEXION;
+                if swing.strike < least {
+                    swing.strike = if least.abs() < 2_f64.to_radians() { 0.0 } else { least.min(MOST_PITCH) };
                 }
                 if swing.strike >= 0.0 {
                     for index in ticks(swing.land, (swing.land + 0.6).min(after)) {
