@@ -177,7 +177,7 @@ impl Params {
             foresee: 0.25 * weight,
             tipping: 0.2,
             delay: 0.2 * tempo,
-            cost_speed: 0.13 * tempo,
+            cost_speed: 0.2 * tempo,
             cost_cross: 0.2,
             pull: 0.4 * physique.com_height,
             leg_bias: 0.4,
