@@ -212,3 +212,109 @@ fn a_full_disk_at_stdout_exits_three() {
     assert_eq!(output.status.code(), Some(3));
     assert!(String::from_utf8_lossy(&output.stderr).contains("cannot write to stdout"));
 }
+
+#[test]
+fn the_demo_needs_no_other_file_and_says_what_came_of_it() {
+    let shell = Shell::new();
+    let told = shell.run("bake builtin --demo").exits(0);
+    assert_eq!(shell.files(), ["exports/demo.events.json", "exports/demo.glb"]);
+    for part in ["exports/demo.glb", "shove_from_the_left", "outcome    step", "push_start", "flat", "plausible"] {
+        assert!(told.out.contains(part), "`{part}` is not in\n{}", told.out);
+    }
+    let bytes = fs::read(shell.path("exports/demo.glb")).expect("there");
+    assert!(bytes.starts_with(b"glTF"));
+    let events: serde_json::Value =
+        serde_json::from_slice(&fs::read(shell.path("exports/demo.events.json")).expect("there")).expect("JSON");
+    assert_eq!(events["shove_from_the_left"]["outcome"], "step");
+}
+
+#[test]
+fn a_new_scenario_and_a_new_rig_bake_as_they_stand_and_twice_the_same() {
+    let shell = Shell::new();
+    shell.run("new scenario -o shove.toml").exits(0);
+    shell.run("new rig --height 1.5 --leg-scale 1.1 -o hero.glb").exits(0);
+    let told = shell.run("bake hero.glb shove.toml -o a.glb --json --fps 24").exits(0);
+    let object = told.json();
+    assert_eq!((object["output"].as_str(), object["clip"].as_str()), (Some("a.glb"), Some("shove_from_the_left")));
+    assert_eq!(object["report"]["fps"], 24.0);
+    shell.run("bake hero.glb shove.toml -o b.glb --fps 24").exits(0);
+    assert!(fs::read(shell.path("a.glb")).expect("there") == fs::read(shell.path("b.glb")).expect("there"));
+    shell.run("bake hero.glb shove.toml -o c.glb --fps 24 --seed 8").exits(0);
+    assert!(fs::read(shell.path("a.glb")).expect("there") != fs::read(shell.path("c.glb")).expect("there"));
+}
+
+#[test]
+fn a_clip_name_that_is_taken_gets_a_number() {
+    let shell = Shell::with(&[("shove.toml", SHOVE)]);
+    shell.run("bake builtin shove.toml -o a.glb").exits(0);
+    let object = shell.run("bake a.glb shove.toml -o b.glb --json").exits(0).json();
+    let name = object["clip"].as_str().expect("a name");
+    assert!(name != "shove" && name.starts_with("shove"), "{name}");
+    let events: serde_json::Value =
+        serde_json::from_slice(&fs::read(shell.path("b.events.json")).expect("there")).expect("JSON");
+    assert!(events[name].is_object(), "the events go by the name in the file: {events}");
+}
+
+#[test]
+fn a_fall_is_a_result_unless_balance_is_required() {
+    let shell = Shell::with(&[("shove.toml", &SHOVE.replace("250.0", "2500.0"))]);
+    let told = shell.run("bake builtin shove.toml -o a.glb --require-balance --json").exits(1);
+    assert_eq!(told.json()["output"], serde_json::Value::Null);
+    assert_eq!(shell.files(), ["shove.toml"]);
+    let told = shell.run("bake builtin shove.toml -o a.glb").exits(0).says(&["warning"]);
+    assert!(told.out.contains("outcome    fall"), "{}", told.out);
+}
+
+#[test]
+fn an_input_is_never_overwritten() {
+    let shell = Shell::with(&[("shove.toml", SHOVE)]);
+    shell.run("new rig -o hero.glb").exits(0);
+    let before = fs::read(shell.path("hero.glb")).expect("there");
+    shell.run("bake hero.glb shove.toml -o ./hero.glb").exits(2).says(&["hero.glb", "never overwritten"]);
+    fs::hard_link(shell.path("hero.glb"), shell.path("alias.glb")).expect("a link");
+    shell.run("bake hero.glb shove.toml -o alias.glb").exits(2).says(&["never overwritten"]);
+    assert!(fs::read(shell.path("hero.glb")).expect("there") == before);
+}
+
+#[test]
+fn what_cannot_be_written_exits_three_and_leaves_nothing() {
+    let shell = Shell::with(&[("shove.toml", SHOVE), ("file", "in the way")]);
+    shell.run("bake builtin shove.toml -o file/out.glb").exits(3).says(&["file/out.glb", "cannot be written"]);
+    fs::create_dir(shell.path("out.events.json")).expect("made");
+    shell.run("bake builtin shove.toml -o out.glb").exits(2).says(&["out.events.json", "folder"]);
+    assert_eq!(shell.files(), ["file", "shove.toml"]);
+}
+
+#[test]
+fn a_file_that_is_no_rig_is_refused_with_its_fault() {
+    let shell = Shell::with(&[("shove.toml", SHOVE), ("text.glb", "hello"), ("empty.glb", ""), ("some.gltf", "{}")]);
+    for rig in ["text.glb", "empty.glb", "some.gltf"] {
+        shell.run(&format!("bake {rig} shove.toml -o out.glb")).exits(2).says(&[rig]);
+        shell.run(&format!("inspect {rig}")).exits(2).says(&[rig]);
+    }
+    assert!(!shell.path("out.glb").exists());
+}
+
+#[test]
+fn inspect_prints_one_object() {
+    let object = Shell::new().run("inspect builtin --json").exits(0).json();
+    assert_eq!(object["bones"]["hips"], "hips");
+    for field in
+        ["height_m", "mass_kg", "up", "forward", "units_to_metres", "confidence", "method", "legs", "feet", "warnings"]
+    {
+        assert!(!object[field].is_null(), "{field}");
+    }
+}
+
+#[test]
+fn a_sheet_is_drawn_of_a_baked_file_and_beside_a_bake() {
+    let shell = Shell::with(&[("shove.toml", SHOVE)]);
+    shell.run("bake builtin shove.toml -o a.glb --sheet beside.png").exits(0);
+    shell.run("sheet a.glb -o after.png").exits(0);
+    for name in ["beside.png", "after.png"] {
+        assert!(fs::read(shell.path(name)).expect("there").starts_with(b"\x89PNG"), "{name}");
+    }
+    shell.run("sheet a.glb -o b.png --clip dance").exits(2).says(&["dance", "shove"]);
+    shell.run("new rig -o hero.glb").exits(0);
+    shell.run("sheet hero.glb -o b.png").exits(2).says(&["no clip"]);
+}

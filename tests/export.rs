@@ -1,7 +1,9 @@
 //! From poses to the bytes of a GLB and back: what an independent reader finds is what was posed, and nothing is lost.
 
+#![expect(clippy::print_stdout, reason = "tests tell what they measured")]
+
 use crate::synthetic::{self, DURATION, contacts, held, stepping, troubles};
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use serde_json::Value;
 use std::path::PathBuf;
 use surefoot::bake::keys::{KeyInput, keyed_clip};
@@ -11,14 +13,22 @@ use surefoot::model::report::*;
 use surefoot::model::{BodyPose, Clip, ClipReport, KeyValues, Role, Target};
 use surefoot::rig::Rig;
 
-const MODES: [RootMotion; 3] = [RootMotion::Root, RootMotion::Hips, RootMotion::InPlace];
+pub const MODES: [RootMotion; 3] = [RootMotion::Root, RootMotion::Hips, RootMotion::InPlace];
 
 fn clip(rig: &Rig, root_motion: RootMotion) -> Clip {
     let pose = |time: f64| stepping(&rig.body, time);
-    keyed_clip(&KeyInput { rig, name: "shove", fps: 30.0, duration: DURATION, pose: &pose, contacts: &contacts(), root_motion })
+    keyed_clip(&KeyInput {
+        rig,
+        name: "shove",
+        fps: 30.0,
+        duration: DURATION,
+        pose: &pose,
+        contacts: &contacts(),
+        root_motion,
+    })
 }
 
-fn report(clip: &Clip) -> ClipReport {
+pub fn report(clip: &Clip) -> ClipReport {
     ClipReport {
         version: 1,
         generator: "surefoot tests".into(),
@@ -40,13 +50,13 @@ fn report(clip: &Clip) -> ClipReport {
 }
 
 /// Where baked files go, so that the scripts of tests/tools can look at them.
-fn baked(name: &str) -> PathBuf {
+pub fn baked_path(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("target/baked");
     std::fs::create_dir_all(&folder).expect("target can be written");
     folder.join(name)
 }
 
-fn json_of(file: &[u8]) -> (Value, &[u8]) {
+pub fn json_of(file: &[u8]) -> (Value, &[u8]) {
     let length = |at: usize| u32::from_le_bytes(file[at..at + 4].try_into().expect("four bytes")) as usize;
     let json = length(12);
     let bin = if file.len() > 20 + json { &file[28 + json..28 + json + length(20 + json)] } else { &[] };
@@ -96,8 +106,7 @@ fn planted_feet_stay_between_keys_and_few_keys_are_left() {
         let share = keys as f64 / (frames * clip.channels.len()) as f64;
         println!("{name}: slip {:.3} mm, {keys} keys, {:.1} % of frames x channels", worst * 1e3, share * 100.0);
         assert!(worst < 0.5e-3, "{name}: {worst}");
-        for channel in &clip.channels { print!("{:?}:{} ", channel.target, channel.times.len()); }
-        assert!(share < 0.40, "{name}: {share}");
+        assert!(share < 0.35, "{name}: {share}");
     }
 }
 
@@ -138,7 +147,11 @@ fn keys_are_what_readers_demand() {
             assert!(clip.channels.iter().any(|channel| channel.times.last() == Some(&last)), "{name}");
             for channel in &clip.channels {
                 assert_eq!(channel.times[0], 0.0);
-                assert!(channel.times.windows(2).all(|pair| pair[0] < pair[1] && pair[1] <= last), "{name} {:?}", channel.target);
+                assert!(
+                    channel.times.windows(2).all(|pair| pair[0] < pair[1] && pair[1] <= last),
+                    "{name} {:?}",
+                    channel.target
+                );
                 let KeyValues::Rotation(keys) = &channel.values else { continue };
                 for pair in keys.windows(2) {
                     let dot: f32 = pair[0].iter().zip(&pair[1]).map(|(a, b)| a * b).sum();
@@ -201,7 +214,8 @@ fn everything_of_the_source_is_still_there() {
         for mode in MODES {
             let clip = clip(&rig, mode);
             let made = glb(&rig, &[(clip.clone(), report(&clip))]).expect("can be written");
-            std::fs::write(baked(&format!("synthetic_{name}_{}.glb", mode.name())), &made.bytes).expect("can be written");
+            std::fs::write(baked_path(&format!("synthetic_{name}_{}.glb", mode.name())), &made.bytes)
+                .expect("can be written");
             dump_pose(&rig, &clip, &made.names[0], &format!("synthetic_{name}_{}.glb", mode.name()));
             keeps_everything(&rig, &made.bytes, &made.changes);
             assert_eq!(made.names, ["shove_2"], "the rig has a shove already");
@@ -212,7 +226,7 @@ fn everything_of_the_source_is_still_there() {
 }
 
 /// Every JSON value of the source at its index in the file, its bytes a prefix of the buffer.
-fn keeps_everything(rig: &Rig, file: &[u8], changes: &[String]) {
+pub fn keeps_everything(rig: &Rig, file: &[u8], changes: &[String]) {
     let (json, bin) = json_of(file);
     assert!(bin.starts_with(rig.document.buffers.first().map_or(&[][..], Vec::as_slice)));
     let source = rig.document.json.as_object().expect("object");
@@ -227,7 +241,8 @@ fn keeps_everything(rig: &Rig, file: &[u8], changes: &[String]) {
                             ("children", Value::Array(before)) => {
                                 assert!(after[field].as_array().expect("array").starts_with(before), "node {index}");
                             }
-                            ("matrix", _) if changes.iter().any(|change| change.starts_with(&format!("node {index} "))) => {}
+                            ("matrix", _)
+                                if changes.iter().any(|change| change.starts_with(&format!("node {index} "))) => {}
                             _ => assert_eq!(&after[field], before, "node {index} {field}"),
                         }
                     }
@@ -251,7 +266,7 @@ fn keeps_everything(rig: &Rig, file: &[u8], changes: &[String]) {
 }
 
 /// The gltf crate finds the clip's keys, key for key, and the report.
-fn reads_back(rig: &Rig, clip: &Clip, file: &[u8]) {
+pub fn reads_back(rig: &Rig, clip: &Clip, file: &[u8]) {
     let gltf = gltf::Gltf::from_slice(file).expect("the gltf crate reads it");
     let blob = gltf.blob.as_deref().expect("has a BIN chunk");
     let animation = gltf.animations().last().expect("has the clip");
@@ -279,9 +294,10 @@ fn reads_back(rig: &Rig, clip: &Clip, file: &[u8]) {
         }
     }
     let extras: Value = serde_json::from_str(animation.extras().as_ref().expect("extras").get()).expect("JSON");
-    assert_eq!(extras["surefoot"]["events"][0]["time"].to_string(), "0.3333");
+    assert_eq!(extras["surefoot"]["version"], 1);
     for node in gltf.nodes().skip(source_nodes) {
-        let in_scene = gltf.scenes().flat_map(|scene| scene.nodes().collect::<Vec<_>>()).any(|root| reaches(&root, node.index()));
+        let in_scene =
+            gltf.scenes().flat_map(|scene| scene.nodes().collect::<Vec<_>>()).any(|root| reaches(&root, node.index()));
         assert!(in_scene, "{:?} is in no scene", node.name());
     }
 }
@@ -290,84 +306,14 @@ fn reaches(root: &gltf::Node, wanted: usize) -> bool {
     root.index() == wanted || root.children().any(|child| reaches(&child, wanted))
 }
 
-/// The rigs of the data folder that load, by file name.
-fn real_rigs() -> Vec<(String, Rig)> {
-    let folder = std::env::var_os("SUREFOOT_DATA")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from)
-        .join("rigs");
-    let Ok(entries) = std::fs::read_dir(&folder) else {
-        println!("skipped: no {}", folder.display());
-        return Vec::new();
-    };
-    let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
-    paths.sort();
-    let name = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned());
-    paths.iter().filter_map(|path| Some((name(path)?, surefoot::rig::load(path).ok()?))).collect()
-}
-
-/// A motion for any body: hips that travel, turn and bob, limbs that swing, feet that go along. Nothing is planted.
-fn waving(rig: &Rig, time: f64) -> BodyPose {
-    let mut pose = BodyPose::rest(&rig.body);
-    let size = rig.body.height / 1.7;
-    let envelope = (std::f64::consts::PI * time / DURATION).sin().powi(2);
-    pose.hips += DVec3::new(0.05 * (4.0 * time).sin() * envelope, -0.05 * envelope, 0.2 * time) * size;
-    for (index, joint) in rig.body.joints.iter().enumerate() {
-        let wave = envelope * 0.1 * (3.0 * time + index as f64).sin();
-        let own = DQuat::from_rotation_x(wave) * DQuat::from_rotation_y(2.0 * wave) * DQuat::from_rotation_z(-wave);
-        pose.turns[index] = match joint.parent {
-            None => DQuat::from_rotation_y(0.5 * time / DURATION) * own,
-            Some(parent) if !joint.animated => pose.turns[parent],
-            Some(parent) => pose.turns[parent] * own,
-        };
-    }
-    pose
-}
-
-#[test]
-fn real_rigs_keep_everything_and_show_the_pose() {
-    let mut sources = serde_json::Map::new();
-    for (name, rig) in real_rigs() {
-        for mode in MODES {
-            let pose = |time: f64| waving(&rig, time);
-            let input =
-                KeyInput { rig: &rig, name: "shove", fps: 30.0, duration: DURATION, pose: &pose, contacts: &[], root_motion: mode };
-            let clip = keyed_clip(&input);
-            let made = glb(&rig, &[(clip.clone(), report(&clip))]).expect("can be written");
-            let file = format!("{name}.{}.glb", mode.name());
-            std::fs::write(baked(&file), &made.bytes).expect("can be written");
-            sources.insert(file.clone(), name.clone().into());
-            keeps_everything(&rig, &made.bytes, &made.changes);
-            reads_back(&rig, &clip, &made.bytes);
-            dump_pose(&rig, &clip, &made.names[0], &file);
-            if mode == RootMotion::InPlace {
-                continue;
-            }
-            let mut sampler = rig.sampler(&clip);
-            let mut worst = (0.0, 0.0, None);
-            for tick in 0..=90 {
-                let time = DURATION * f64::from(tick) / 90.0;
-                let (wanted, got) = (pose(time), sampler.sample(time));
-                for (joint, (wanted, got)) in wanted.positions(&rig.body).iter().zip(&got.positions).enumerate() {
-                    let off = wanted.distance(*got) / rig.body.height;
-                    if off > worst.0 {
-                        worst = (off, time, Some(rig.body.joints[joint].role));
-                    }
-                }
-            }
-            println!("{name} {}: {:.2} mm a metre of height at worst {worst:?}", mode.name(), worst.0 * 1e3);
-            assert!(worst.0 < 4e-3, "{name} {mode:?}: {worst:?}");
-        }
-    }
-    std::fs::write(baked("sources.json"), serde_json::to_vec(&sources).expect("JSON")).expect("can be written");
-}
-
 /// Where the body's nodes are at some times, for tests/tools/three_check.mjs and blender_check.py: document space.
-fn dump_pose(rig: &Rig, clip: &Clip, name: &str, file: &str) {
+pub fn dump_pose(rig: &Rig, clip: &Clip, name: &str, file: &str) {
     let mut sampler = rig.sampler(clip);
-    let samples: Vec<Value> = [0.0, 0.31, 0.75, 1.234, 2.0, 3.1, DURATION]
+    let samples: Vec<Value> = [0.0, 0.0775, 0.1875, 0.3085, 0.5, 0.775, 1.0]
         .iter()
-        .map(|time| {
-            let globals = sampler.node_globals(*time).to_vec();
+        .map(|share| {
+            let time = share * clip.duration;
+            let globals = sampler.node_globals(time).to_vec();
             let nodes: Vec<Value> = rig
                 .joint_nodes
                 .iter()
@@ -383,7 +329,8 @@ fn dump_pose(rig: &Rig, clip: &Clip, name: &str, file: &str) {
     let names: Vec<Option<&str>> = rig.nodes.iter().map(|node| node.name.as_deref()).collect();
     let unit = rig.document_from_scenario.scale;
     let dump = serde_json::json!({ "file": file, "clip": name, "unit": unit, "names": names, "samples": samples });
-    std::fs::write(baked(&format!("{file}.pose.json")), serde_json::to_vec(&dump).expect("JSON")).expect("can be written");
+    std::fs::write(baked_path(&format!("{file}.pose.json")), serde_json::to_vec(&dump).expect("JSON"))
+        .expect("can be written");
 }
 
 #[test]
@@ -407,7 +354,10 @@ fn a_key_that_is_no_number_is_refused_with_its_node_and_time() {
     let time = f64::from(channel.times[1]);
     let report = report(&clip);
     let error = glb(&rig, &[(clip, report)]).expect_err("NaN");
-    assert_eq!(error, ExportError::NotFinite { clip: "shove".into(), node: format!("translation of node {hips} \"hips\""), time });
+    assert_eq!(
+        error,
+        ExportError::NotFinite { clip: "shove".into(), node: format!("translation of node {hips} \"hips\""), time }
+    );
 }
 
 #[test]
@@ -417,7 +367,8 @@ fn several_buffers_outer_images_and_missing_scenes_become_one_whole_file() {
     json.as_object_mut().expect("object").shift_remove("scenes");
     json.as_object_mut().expect("object").shift_remove("scene");
     json["buffers"] = serde_json::json!([{ "byteLength": 13, "uri": "one.bin", "name": "first" }, { "byteLength": 12, "uri": "two.bin" }]);
-    json["bufferViews"] = serde_json::json!([{ "buffer": 1, "byteLength": 12 }, { "buffer": 0, "byteOffset": 1, "byteLength": 5 }]);
+    json["bufferViews"] =
+        serde_json::json!([{ "buffer": 1, "byteLength": 12 }, { "buffer": 0, "byteOffset": 1, "byteLength": 5 }]);
     json["images"] = serde_json::json!([{ "uri": "skin.png", "name": "skin" }, { "uri": "gone.png" }]);
     let times: Vec<u8> = [1.0f32, 2.0, 3.0].iter().flat_map(|value| value.to_le_bytes()).collect();
     let png = b"\x89PNG\r\n\x1a\nnot really".to_vec();

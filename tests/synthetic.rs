@@ -55,7 +55,10 @@ pub fn troubles() -> Vec<(&'static str, Trouble)> {
     ]
 }
 
-const BONES: &[(&str, Option<&str>, [f64; 3], Option<Role>)] = &[
+/// Name, parent, place in scenario space, role.
+type Bone = (&'static str, Option<&'static str>, [f64; 3], Option<Role>);
+
+const BONES: &[Bone] = &[
     ("hips", None, [0.0, 0.95, 0.0], Some(Role::Hips)),
     ("spine", Some("hips"), [0.0, 1.05, -0.01], Some(Role::Spine)),
     ("chest", Some("spine"), [0.0, 1.25, -0.01], Some(Role::Chest)),
@@ -88,7 +91,8 @@ pub fn rig(trouble: Trouble) -> Rig {
         rotation: DQuat::from_rotation_y(trouble.heading),
         translation: DVec3::new(0.3, 0.0, -0.2) * trouble.units,
     };
-    let armature_turn = if trouble.z_up { DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2) } else { DQuat::IDENTITY };
+    let armature_turn =
+        if trouble.z_up { DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2) } else { DQuat::IDENTITY };
     let mirror = if trouble.mirrored { -1.0 } else { 1.0 };
     let armature = Trs {
         translation: document_from_scenario.translation,
@@ -105,17 +109,20 @@ pub fn rig(trouble: Trouble) -> Rig {
     };
     let mut nodes = vec![node("Armature", None, armature), node("body_mesh", None, Trs::IDENTITY)];
     let mut globals: Vec<DAffine3> = vec![armature.affine(), DAffine3::IDENTITY];
-    let place = |nodes: &mut Vec<RigNode>, globals: &mut Vec<DAffine3>, name: &str, parent: usize, at: DVec3, skew: f64| {
-        let rotation = DQuat::from_rotation_x(skew) * DQuat::from_rotation_z(0.7 * skew);
-        let translation = globals[parent].inverse().transform_point3(document_from_scenario.point(at));
-        let local = Trs { translation, rotation, scale: DVec3::ONE };
-        globals.push(globals[parent] * local.affine());
-        nodes.push(node(name, Some(parent), local));
-        nodes.len() - 1
-    };
+    let place =
+        |nodes: &mut Vec<RigNode>, globals: &mut Vec<DAffine3>, name: &str, parent: usize, at: DVec3, skew: f64| {
+            let rotation = DQuat::from_rotation_x(skew) * DQuat::from_rotation_z(0.7 * skew);
+            let translation = globals[parent].inverse().transform_point3(document_from_scenario.point(at));
+            let local = Trs { translation, rotation, scale: DVec3::ONE };
+            globals.push(globals[parent] * local.affine());
+            nodes.push(node(name, Some(parent), local));
+            nodes.len() - 1
+        };
     let top = if trouble.root_bone { place(&mut nodes, &mut globals, "root", 0, DVec3::ZERO, 0.4) } else { 0 };
     for (index, (name, parent, at, _)) in BONES.iter().enumerate() {
-        let parent = parent.map_or(top, |parent| nodes.iter().position(|node| node.name.as_deref() == Some(parent)).expect("listed before"));
+        let parent = parent.map_or(top, |parent| {
+            nodes.iter().position(|node| node.name.as_deref() == Some(parent)).expect("listed before")
+        });
         place(&mut nodes, &mut globals, name, parent, DVec3::from_array(*at), 0.3 + 0.61 * index as f64);
     }
     for index in 0..nodes.len() {
@@ -128,7 +135,8 @@ pub fn rig(trouble: Trouble) -> Rig {
         }
     }
     let find = |name: &str| nodes.iter().position(|node| node.name.as_deref() == Some(name)).expect("listed");
-    let mapped: Vec<(Role, usize)> = BONES.iter().filter_map(|(name, .., role)| role.map(|role| (role, find(name)))).collect();
+    let mapped: Vec<(Role, usize)> =
+        BONES.iter().filter_map(|(name, .., role)| role.map(|role| (role, find(name)))).collect();
     nodes[mapped[0].1].has_matrix = trouble.matrix;
     let (body, joint_nodes) = body(&mapped);
     let json = document(&nodes, &mapped);
@@ -142,7 +150,7 @@ pub fn rig(trouble: Trouble) -> Rig {
             forward: "+Z".into(),
         },
         // 37 bytes: not a multiple of four.
-        [1.0f32, 2.0, 3.0].iter().flat_map(|value| value.to_le_bytes()).chain(0u8..25).collect::<Vec<u8>>(),
+        [1.0f32, 1.0, 1.0].iter().flat_map(|value| value.to_le_bytes()).chain(0u8..25).collect::<Vec<u8>>(),
     );
     let document =
         Document { json, buffers: vec![buffer], glb_buffer: true, images: Vec::new(), image_files: Vec::new() };
@@ -152,7 +160,9 @@ pub fn rig(trouble: Trouble) -> Rig {
 fn body(mapped: &[(Role, usize)]) -> (Body, Vec<Option<usize>>) {
     let mut roles: Vec<(Role, DVec3, Option<usize>)> = mapped
         .iter()
-        .map(|(role, node)| (*role, DVec3::from_array(BONES.iter().find(|bone| bone.3 == Some(*role)).expect("listed").2), Some(*node)))
+        .map(|(role, node)| {
+            (*role, DVec3::from_array(BONES.iter().find(|bone| bone.3 == Some(*role)).expect("listed").2), Some(*node))
+        })
         .collect();
     roles.push((NO_BONE.0, DVec3::from_array(NO_BONE.2), None));
     let at = |role: Role| roles.iter().position(|(other, ..)| *other == role);
@@ -165,7 +175,12 @@ fn body(mapped: &[(Role, usize)]) -> (Body, Vec<Option<usize>>) {
     };
     let joints: Vec<BodyJoint> = roles
         .iter()
-        .map(|(role, rest, node)| BodyJoint { role: *role, parent: parent(*role), rest: *rest, animated: node.is_some() })
+        .map(|(role, rest, node)| BodyJoint {
+            role: *role,
+            parent: parent(*role),
+            rest: *rest,
+            animated: node.is_some(),
+        })
         .collect();
     let segments = vec![Segment { joint: 0, mass: 70.0, centre: DVec3::ZERO, inertia: glam::DMat3::IDENTITY }];
     let foot = |ankle: Role, toe: Role| FootShape {
@@ -192,7 +207,8 @@ fn document(nodes: &[RigNode], mapped: &[(Role, usize)]) -> Value {
         let Trs { translation, rotation, scale } = node.local;
         let mut json = json!({ "name": node.name });
         if node.has_matrix {
-            json["matrix"] = json!(DMat4::from_scale_rotation_translation(scale, rotation, translation).to_cols_array());
+            json["matrix"] =
+                json!(DMat4::from_scale_rotation_translation(scale, rotation, translation).to_cols_array());
         } else {
             json["rotation"] = json!(rotation.to_array());
             json["scale"] = json!(scale.to_array());
@@ -222,7 +238,7 @@ fn document(nodes: &[RigNode], mapped: &[(Role, usize)]) -> Value {
         "buffers": [{ "byteLength": 37 }],
         "animations": [{
             "name": "shove",
-            "channels": [{ "sampler": 0, "target": { "node": 0, "path": "scale" } }],
+            "channels": [{ "sampler": 0, "target": { "node": 1, "path": "scale" } }],
             "samplers": [{ "input": 0, "output": 1 }]
         }]
     })
@@ -310,7 +326,12 @@ pub fn contacts() -> Vec<FootContact> {
     for side in Side::BOTH {
         let [ball, lift, land, flat] = STEPS[side as usize];
         let plant = |z: f64| Plant { ankle: DVec3::new(0.1 * side.sign(), 0.0, z), yaw: 0.0 };
-        let spans = [(Part::Flat, 0.0, ball, 0.0), (Part::Ball, ball, lift, 0.0), (Part::Heel, land, flat, REACH), (Part::Flat, flat, DURATION, REACH)];
+        let spans = [
+            (Part::Flat, 0.0, ball, 0.0),
+            (Part::Ball, ball, lift, 0.0),
+            (Part::Heel, land, flat, REACH),
+            (Part::Flat, flat, DURATION, REACH),
+        ];
         contacts.extend(spans.map(|(part, start, end, z)| FootContact { side, part, start, end, plant: plant(z) }));
     }
     contacts
@@ -318,13 +339,6 @@ pub fn contacts() -> Vec<FootContact> {
 
 /// The point or points of a foot that a contact holds, as the clip's pose has them.
 pub fn held(rig: &Rig, pose: &surefoot::rig::animate::SampledPose, contact: &FootContact) -> Vec<DVec3> {
-    let foot = &rig.body.feet[contact.side as usize];
-    let ankle = pose.positions[foot.ankle];
-    let toe = pose.positions[foot.toe.expect("has toes")];
-    let heel = ankle + pose.turns[foot.ankle] * DVec3::new(0.0, -foot.ankle_height, foot.heel);
-    match contact.part {
-        Part::Flat => vec![ankle, toe],
-        Part::Ball => vec![toe],
-        Part::Heel => vec![heel],
-    }
+    let points = surefoot::measure::support::held_points(&rig.body, contact.side, contact.part);
+    points.iter().map(|point| pose.positions[point.joint] + pose.turns[point.joint] * point.offset).collect()
 }

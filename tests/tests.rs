@@ -10,8 +10,18 @@ mod cli;
 mod common;
 /// Baked files: the source kept whole, read again, by the Khronos validator, three.js.
 mod export;
+/// The same for rigs that nobody here made: slip, keys, the Khronos validator.
+mod export_real;
+/// Files that are broken, malicious or of another kind.
+mod hostile;
 /// What the measures say of a walk over force plates.
 mod measure;
+/// Contact sheets of real rigs.
+mod picture;
+/// Rigs made from others or from nothing: scales, axes, skins, naming conventions, lacking bones, overrides.
+mod rig_variants;
+/// Real rigs: bones, height, heading, unit.
+mod rigs;
 /// The controller: standing, recovering, stepping.
 mod stepper;
 /// Rigs and motions made by hand for the modules above.

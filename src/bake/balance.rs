@@ -13,13 +13,13 @@ use crate::model::BodyPose;
 use glam::{DVec2, DVec3};
 
 /// m, how far inside the support the ZMP is asked to be.
-const MARGIN: f64 = 0.012;
+const MARGIN: f64 = 0.02;
 /// Weight of a sample whose ZMP is inside already (outside: 1).
-const INSIDE_WEIGHT: f64 = 0.25;
+const INSIDE_WEIGHT: f64 = 0.05;
 /// Share of the body's weight on the ground below which the ZMP says nothing.
 const LEAST_WEIGHT: f64 = 0.2;
 /// Weight of the third difference, at 10 ms.
-const SMOOTHNESS: f64 = 1e6;
+const SMOOTHNESS: f64 = 1e5;
 
 /// One pass: adds to `timeline.shift`; returns the largest distance of the ZMP out of the support before it, m.
 pub fn pass(timeline: &mut Timeline, poses: &[BodyPose], contacts: &[HeldContact], pushes: &[KnownPush]) -> f64 {
@@ -71,9 +71,10 @@ fn solve(timeline: &Timeline, com: &[DVec3], acceleration: &[DVec3], wanted: &[D
         for index in 0..count - 3 {
             system.equation(index, &[-1.0, 3.0, -3.0, 1.0], 0.0, SMOOTHNESS);
         }
-        // At rest where the clip begins and ends.
-        for end in [0, 1, count - 2, count - 1] {
-            system.equation(end, &[1.0], 0.0, 1e9);
+        // At rest until somebody pushes, and where the clip ends.
+        let first = ((timeline.still_until / timeline.dt).round() as usize).min(count - 1);
+        for index in (0..=first).chain([count - 2, count - 1]) {
+            system.equation(index, &[1.0], 0.0, 1e9);
         }
         system.solve()
     };

@@ -9,11 +9,21 @@ use crate::maths::curve::{bump, smooth3, smooth5};
 use crate::maths::quat::wrap_angle;
 use crate::model::{Body, Side, report::Part};
 use crate::stepper::{Physique, Plant, Step, StepKind};
-use crate::whole_body::solve::FootTarget;
+use crate::whole_body::Anatomy;
+use crate::whole_body::solve::{FootTarget, Solved};
 use glam::{DQuat, DVec3};
 
 /// rad/s, mean speed at which a heel comes up: faster, and the ankle snaps.
 const FASTEST_ROLL: f64 = 2.6;
+
+/// rad, dorsiflexion past which the heel comes up: a little inside of the ankle's range of 30 degrees.
+const DORSIFLEXION: f64 = 26.0 * std::f64::consts::PI / 180.0;
+/// rad, tilt of the shank over the foot's side past which the foot goes onto its edge as it leaves.
+const INVERSION: f64 = 17.0 * std::f64::consts::PI / 180.0;
+/// rad.
+const MOST_PITCH: f64 = 45.0 * std::f64::consts::PI / 180.0;
+/// rad.
+const MOST_EDGE: f64 = 20.0 * std::f64::consts::PI / 180.0;
 
 /// Both feet over a whole run.
 #[derive(Clone, Debug)]
@@ -46,6 +56,7 @@ struct Swing {
     peak_after: f64,
     peak: f64,   // rad, largest pitch, a little after lift
     strike: f64, // rad, pitch at landing: below 0 heel first, over 0 ball first
+    edge: f64,   // rad, roll onto the inner or outer edge that goes with the peak
     clearance: f64,
     aside: DVec3, // horizontal detour at mid-swing, m
     from: Plant,
@@ -71,6 +82,56 @@ impl FootCurves {
             .iter()
             .find(|swing| time > swing.lift && time < swing.land)
             .map_or(0.0, |swing| bump((time - swing.lift) / (swing.land - swing.lift)).sqrt())
+    }
+
+    /// Lets heels come up (and stay up after a backward landing) where an ankle would bend past its range, and feet roll
+    /// onto their edge as they leave. `solved`: the poses of the present curves, `dt` s apart. Call it a few times over.
+    pub fn ease_ankles(&mut self, body: &Body, anatomy: &Anatomy, solved: &[Solved], dt: f64) {
+        for side in Side::BOTH {
+            let leg = &anatomy.legs[side as usize];
+            let shank = body.joints[leg.lower].rest - body.joints[leg.foot].rest;
+            let path = &mut self.feet[side as usize];
+            // rad, how far the shank leans over the foot: forwards and to the left.
+            let lean = |index: usize, yaw: f64| {
+                let up = DQuat::from_rotation_y(-yaw) * (solved[index].pose.turns[leg.lower] * shank);
+                (up.z.atan2(up.y), up.x.atan2(up.y))
+            };
+            for number in 0..path.swings.len() {
+                let before =
+                    number.checked_sub(1).map_or(0.0, |last| path.swings[last].land + path.swings[last].settle);
+                let after = path.swings.get(number + 1).map_or(f64::INFINITY, |next| next.lift - next.heel_off);
+                let ticks = |from: f64, to: f64| {
+                    let last = ((to / dt).floor().max(0.0) as usize).min(solved.len().saturating_sub(1));
+                    (from / dt).ceil().max(0.0) as usize..=last
+                };
+                let swing = &mut path.swings[number];
+                for index in ticks(before, swing.lift) {
+                    let time = index as f64 * dt;
+                    let (forwards, sideways) = lean(index, swing.from.yaw);
+                    let (pitch, roll) = swing.attitude(time);
+                    if forwards - pitch > DORSIFLEXION {
+                        swing.heel_off = swing.heel_off.max((swing.lift - time + 0.05).min(swing.lift - before));
+                        swing.peak = swing.peak.max((forwards - DORSIFLEXION + 0.10).min(MOST_PITCH));
+                    }
+                    let tilt = -sideways; // a roll about +Z tips the foot's upper side to -X
+                    if (tilt - roll).abs() > INVERSION && time > swing.lift - swing.heel_off {
+                        let wanted = tilt - INVERSION * tilt.signum() * 0.8;
+                        swing.edge = if tilt > 0.0 { swing.edge.max(wanted) } else { swing.edge.min(wanted) };
+                        swing.edge = swing.edge.clamp(-MOST_EDGE, MOST_EDGE);
+                    }
+                }
+                if swing.strike >= 0.0 {
+                    for index in ticks(swing.land, (swing.land + 0.6).min(after)) {
+                        let time = index as f64 * dt;
+                        let excess = lean(index, swing.to.yaw).0 - swing.attitude(time).0 - DORSIFLEXION;
+                        if excess > 0.0 {
+                            swing.strike = (swing.strike + 0.5 * excess).min(MOST_PITCH);
+                            swing.settle = swing.settle.max((time - swing.land + 0.08).min(after - swing.land));
+                        }
+                    }
+                }
+            }
+        }
     }
 
     /// All contacts up to `end`, in order of start, left before right.
@@ -124,16 +185,10 @@ impl FootPath {
         path
     }
 
-    fn pose(&self, ankle: DVec3, yaw: f64, pitch: f64, toe_pitch: f64) -> FootTarget {
-        let turn = |pitch: f64| {
-            DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch) * DQuat::from_rotation_y(-self.rest_yaw)
-        };
-        FootTarget { ankle, foot: turn(pitch) * self.level, toe: turn(toe_pitch) * self.toe_level, yaw, soft: 0.0 }
-    }
-
-    /// An offset of the levelled foot, turned.
-    fn offset(offset: DVec3, yaw: f64, pitch: f64) -> DVec3 {
-        DQuat::from_rotation_y(yaw) * (DQuat::from_rotation_x(pitch) * offset)
+    /// The foot with its ankle there; `foot` and `toe` are turns of the levelled foot that points along +Z.
+    fn pose(&self, ankle: DVec3, yaw: f64, foot: DQuat, toe: DQuat) -> FootTarget {
+        let from_rest = DQuat::from_rotation_y(-self.rest_yaw);
+        FootTarget { ankle, foot: foot * from_rest * self.level, toe: toe * from_rest * self.toe_level, yaw, soft: 0.0 }
     }
 
     fn flat_ankle(&self, plant: &Plant) -> DVec3 {
@@ -141,40 +196,46 @@ impl FootPath {
     }
 
     fn at(&self, time: f64) -> FootTarget {
-        let Some(swing) = self.swings.iter().rev().find(|swing| time > swing.lift - swing.heel_off) else {
-            return self.pose(self.flat_ankle(&self.start), self.start.yaw, 0.0, 0.0);
+        let flat = |plant: &Plant| {
+            let turn = turned(plant.yaw, 0.0, 0.0);
+            self.pose(self.flat_ankle(plant), plant.yaw, turn, turn)
         };
-        let pitch = swing.pitch(time);
+        let Some(swing) = self.swings.iter().rev().find(|swing| time > swing.lift - swing.heel_off) else {
+            return flat(&self.start);
+        };
         if time >= swing.land + swing.settle {
-            return self.pose(self.flat_ankle(&swing.to), swing.to.yaw, 0.0, 0.0);
+            return flat(&swing.to);
         }
+        let (pitch, roll) = swing.attitude(time);
+        let on = |plant: &Plant, held: DVec3, toes_flat: bool| {
+            let level = turned(plant.yaw, 0.0, 0.0);
+            let turn = turned(plant.yaw, pitch, roll);
+            let ankle = self.flat_ankle(plant) + level * held - turn * held;
+            self.pose(ankle, plant.yaw, turn, if toes_flat { level } else { turn })
+        };
         if time <= swing.lift {
-            let held = self.flat_ankle(&swing.from) + Self::offset(self.pivot, swing.from.yaw, 0.0);
-            let ankle = held - Self::offset(self.pivot, swing.from.yaw, pitch);
-            return self.pose(ankle, swing.from.yaw, pitch, 0.0);
+            on(&swing.from, self.pivot, true)
+        } else if time < swing.land {
+            self.flight(swing, time, pitch, roll)
+        } else if swing.strike < 0.0 {
+            on(&swing.to, self.heel, false)
+        } else {
+            on(&swing.to, self.pivot, true)
         }
-        let landed = self.flat_ankle(&swing.to);
-        if time >= swing.land {
-            let (point, toe_pitch) = if swing.strike < 0.0 { (self.heel, pitch) } else { (self.pivot, 0.0) };
-            let held = landed + Self::offset(point, swing.to.yaw, 0.0);
-            return self.pose(held - Self::offset(point, swing.to.yaw, pitch), swing.to.yaw, pitch, toe_pitch);
-        }
-        self.flight(swing, time, pitch)
     }
 
-    fn flight(&self, swing: &Swing, time: f64, pitch: f64) -> FootTarget {
+    fn flight(&self, swing: &Swing, time: f64, pitch: f64, roll: f64) -> FootTarget {
         let u = (time - swing.lift) / (swing.land - swing.lift);
         let go = smooth5(u);
         let yaw = swing.from.yaw + wrap_angle(swing.to.yaw - swing.from.yaw) * go;
-        let first = self.flat_ankle(&swing.from) + Self::offset(self.pivot, swing.from.yaw, 0.0);
-        let landed = self.flat_ankle(&swing.to);
-        let last = if swing.strike < 0.0 {
-            landed
-                + Self::offset(self.heel, swing.to.yaw, 0.0)
-                + Self::offset(self.pivot - self.heel, swing.to.yaw, swing.strike)
-        } else {
-            landed + Self::offset(self.pivot, swing.to.yaw, 0.0)
-        };
+        let first = self.flat_ankle(&swing.from) + turned(swing.from.yaw, 0.0, 0.0) * self.pivot;
+        let level = turned(swing.to.yaw, 0.0, 0.0);
+        let last = self.flat_ankle(&swing.to)
+            + if swing.strike < 0.0 {
+                level * self.heel + turned(swing.to.yaw, swing.strike, 0.0) * (self.pivot - self.heel)
+            } else {
+                level * self.pivot
+            };
         let mut pivot = first + (last - first) * go + swing.aside * bump(u);
         pivot.y += swing.clearance * bump(u.powf(0.85));
         // The toes straighten over most of the swing, and are flat again for a strike with the ball.
@@ -182,20 +243,19 @@ impl FootPath {
         if swing.strike >= 0.0 {
             straight *= 1.0 - smooth3((u - 0.5) / 0.5);
         }
-        let toe_pitch = if self.has_toe { pitch * straight } else { pitch };
-        let ankle = pivot - Self::offset(self.pivot, yaw, pitch);
-        let mut target = self.pose(ankle, yaw, pitch, toe_pitch);
+        let turn = turned(yaw, pitch, roll);
+        let toe = if self.has_toe { turned(yaw, pitch * straight, roll * straight) } else { turn };
+        let ankle = pivot - turn * self.pivot;
+        let mut target = self.pose(ankle, yaw, turn, toe);
         // No part of the sole goes under the ground on the way.
         let lowest = self
             .soles
             .iter()
-            .map(|(vertex, with_toe)| {
-                if *with_toe {
-                    pivot.y + Self::offset(*vertex - self.pivot, yaw, toe_pitch).y
-                } else {
-                    ankle.y + Self::offset(*vertex, yaw, pitch).y
-                }
-            })
+            .map(
+                |(vertex, with_toe)| {
+                    if *with_toe { pivot.y + (toe * (*vertex - self.pivot)).y } else { ankle.y + (turn * *vertex).y }
+                },
+            )
             .fold(f64::INFINITY, f64::min);
         target.ankle.y += (-lowest).max(0.0);
         target.soft = bump(u).sqrt();
@@ -253,6 +313,7 @@ impl Swing {
             heel_off,
             settle,
             peak_after,
+            edge: 0.0,
             peak: peak.to_radians().min(FASTEST_ROLL / scale * (heel_off + peak_after)),
             strike: strike.to_radians(),
             clearance: leg * (0.045 + 0.05 * distance.min(1.0)),
@@ -262,18 +323,26 @@ impl Swing {
         }
     }
 
-    fn pitch(&self, time: f64) -> f64 {
+    /// Pitch and roll at a time between heel off and flat.
+    fn attitude(&self, time: f64) -> (f64, f64) {
         let (start, top) = (self.lift - self.heel_off, self.lift + self.peak_after);
         if time <= start {
-            0.0
+            (0.0, 0.0)
         } else if time <= top {
-            self.peak * smooth5((time - start) / (top - start))
+            let up = smooth5((time - start) / (top - start));
+            (self.peak * up, self.edge * up)
         } else if time <= self.land {
-            self.peak + (self.strike - self.peak) * smooth5((time - top) / (self.land - top))
+            let over = smooth5((time - top) / (self.land - top));
+            (self.peak + (self.strike - self.peak) * over, self.edge * (1.0 - over))
         } else {
-            self.strike * (1.0 - smooth3((time - self.land) / self.settle.max(1e-9)))
+            (self.strike * (1.0 - smooth3((time - self.land) / self.settle.max(1e-9))), 0.0)
         }
     }
+}
+
+/// A levelled foot that points along +Z, turned: heading, then rolled about its length, then pitched, rad.
+fn turned(yaw: f64, pitch: f64, roll: f64) -> DQuat {
+    DQuat::from_rotation_y(yaw) * DQuat::from_rotation_z(roll) * DQuat::from_rotation_x(pitch)
 }
 
 /// How far the path bends away from a stance foot that stands near it: at least 0.14 leg lengths of gap, m.

@@ -7,18 +7,16 @@
 use super::contacts::FootContact;
 use super::leg_chain::LegChain;
 use super::root_motion::{RootCurve, RootMotion};
+use super::track::{Track, UPPER_TOLERANCE, stored_rotation, stored_translation};
 use crate::model::{BodyPose, Channel, Clip, Interpolation, KeyValues, Side, Target};
-use crate::rig::animate::{Poser, RootCarrier, RootMove, chord, slerp};
+use crate::rig::animate::{Poser, RootCarrier, RootMove};
 use crate::rig::{Rig, Trs};
-use glam::{DQuat, DVec3};
 use std::collections::BTreeMap;
 
 /// m: a frame is put in where a planted foot is off by more between frames.
 const BISECT: f64 = 0.25e-3;
 /// m: keys are put back where a planted foot is off by more after reduction.
 const SLIP: f64 = 0.45e-3;
-/// rad: what reduction may change in the upper body, 0.1 degrees.
-const UPPER_TOLERANCE: f64 = 0.1 * std::f64::consts::PI / 180.0;
 /// rad: and in the legs and what carries them, 0.02 degrees.
 const LEG_TOLERANCE: f64 = 0.02 * std::f64::consts::PI / 180.0;
 /// m: and in translations.
@@ -46,20 +44,6 @@ pub struct KeyInput<'a> {
     /// Where the travel goes.
     pub root_motion: RootMotion,
 }
-
-/// One channel in the making.
-struct Track {
-    target: Target,
-    rotates: bool,
-    tolerance: f64,              // of `chord` for rotations, of local units for translations
-    moves: [bool; 2],            // the left foot, the right foot
-    values: Vec<Value>,          // (frames)
-    keep: Vec<bool>,             // (frames)
-    around: Vec<(usize, usize)>, // (frames) last kept at or before, first kept at or after
-}
-
-/// A key's value as stored: three of a translation, or a unit quaternion.
-type Value = [f32; 4];
 
 struct Frames<'a> {
     input: KeyInput<'a>,
@@ -188,8 +172,7 @@ impl<'a> Frames<'a> {
     }
 
     fn add_track(&mut self, target: Target, rotates: bool, tolerance: f64) {
-        let (values, keep, around) = (Vec::new(), Vec::new(), Vec::new());
-        self.tracks.push(Track { target, rotates, tolerance, moves: [false; 2], values, keep, around });
+        self.tracks.push(Track::new(target, rotates, tolerance));
     }
 
     fn track_of(&self, target: Target, rotates: bool) -> Option<usize> {
@@ -262,7 +245,9 @@ impl<'a> Frames<'a> {
     fn reduce(&mut self, edges: &[f32], contacts: &[(&FootContact, f32, f32)]) {
         let forced: Vec<bool> = self.times.iter().map(|time| edges.contains(time)).collect();
         let planted = Side::BOTH.map(|side| {
-            let holds = |time: &f32| contacts.iter().any(|(contact, start, end)| contact.side == side && start <= time && time <= end);
+            let holds = |time: &f32| {
+                contacts.iter().any(|(contact, start, end)| contact.side == side && start <= time && time <= end)
+            };
             self.times.iter().map(holds).collect::<Vec<bool>>()
         });
         let times: Vec<f64> = self.times.iter().map(|time| f64::from(*time)).collect();
@@ -275,10 +260,10 @@ impl<'a> Frames<'a> {
                 track.keep[last] = true;
                 let feet = track.moves != [false; 2];
                 let mut from = 0;
-                for frame in 1..=last {
-                    if frame == last || (feet && forced[frame]) {
+                for (frame, edge) in forced.iter().enumerate().skip(1) {
+                    if frame == last || (feet && *edge) {
                         track.keep[frame] = true;
-                        track.split(&times, &planted, from, frame);
+                        track.thin(&times, &planted, from, frame);
                         from = frame;
                     }
                 }
@@ -295,22 +280,29 @@ impl<'a> Frames<'a> {
                 let leg = &legs[contact.side as usize];
                 let first = self.frame_at(*start);
                 let held = leg.held(contact.part, &|track| self.tracks[track].values[first]);
+                let mut worst = (SLIP, None); // of a run of intervals that slip
                 for frame in first..self.frame_at(*end) {
-                    let slips = [0.0, 0.25, 0.5, 0.75, 1.0].into_iter().any(|share| {
-                        let now =
-                            leg.held(contact.part, &|track| self.tracks[track].reduced(&self.times, frame, share));
-                        held.distance(&now) > SLIP
+                    let off = [0.0, 0.25, 0.5, 0.75, 1.0].into_iter().map(|share| {
+                        held.distance(
+                            &leg.held(contact.part, &|track| self.tracks[track].reduced(&self.times, frame, share)),
+                        )
                     });
-                    if slips {
-                        missing.extend([(frame, contact.side as usize), (frame + 1, contact.side as usize)]);
+                    let off = off.fold(0.0, f64::max);
+                    if off > worst.0 {
+                        worst = (off, Some(frame));
+                    } else if off <= SLIP {
+                        missing.extend(worst.1.map(|frame| (frame, contact.side as usize)));
+                        worst = (SLIP, None);
                     }
                 }
+                missing.extend(worst.1.map(|frame| (frame, contact.side as usize)));
             }
             let mut changed = false;
             for track in &mut self.tracks {
                 let before = track.keep.clone();
                 for (frame, side) in &missing {
                     track.keep[*frame] |= track.moves[*side];
+                    track.keep[*frame + 1] |= track.moves[*side];
                 }
                 if track.keep != before {
                     track.look_around();
@@ -361,97 +353,6 @@ impl<'a> Frames<'a> {
     }
 }
 
-impl Track {
-    fn difference(&self, a: &Value, b: &Value) -> f64 {
-        if self.rotates { chord(quaternion(a), quaternion(b)) } else { vector(a).distance(vector(b)) }
-    }
-
-    /// As a reader interpolates between two frames.
-    fn between(&self, from: usize, to: usize, share: f64) -> Value {
-        let (a, b) = (&self.values[from], &self.values[to]);
-        if self.rotates {
-            let turn = slerp(quaternion(a), quaternion(b), share);
-            [turn.x as f32, turn.y as f32, turn.z as f32, turn.w as f32]
-        } else {
-            let place = vector(a).lerp(vector(b), share);
-            [place.x as f32, place.y as f32, place.z as f32, 0.0]
-        }
-    }
-
-    /// Between `frame` and the next, from the keys that are left.
-    fn reduced(&self, times: &[f32], frame: usize, share: f64) -> Value {
-        let (from, to) = (self.around[frame].0, self.around[(frame + 1).min(times.len() - 1)].1);
-        if from == to || times[from] >= times[to] {
-            return self.values[from];
-        }
-        let time = f64::from(times[frame])
-            + share * (f64::from(times[(frame + 1).min(times.len() - 1)]) - f64::from(times[frame]));
-        self.between(from, to, (time - f64::from(times[from])) / (f64::from(times[to]) - f64::from(times[from])))
-    }
-
-    /// Keeps the worst frame between two kept ones, and so on, until all others are within tolerance.
-    fn split(&mut self, times: &[f64], planted: &[Vec<bool>; 2], from: usize, to: usize) {
-        let mut open = vec![(from, to)];
-        while let Some((from, to)) = open.pop() {
-            let mut worst = (0.0, from);
-            for frame in from + 1..to {
-                let share = (times[frame] - times[from]) / (times[to] - times[from]);
-                let off = self.difference(&self.between(from, to, share), &self.values[frame]);
-                let holds = !self.rotates || (0..2).any(|side| self.moves[side] && planted[side][frame]);
-                let off = if holds { off } else { off * self.tolerance / (UPPER_TOLERANCE / 2.0) };
-                if off > worst.0 {
-                    worst = (off, frame);
-                }
-            }
-            if worst.0 > self.tolerance {
-                self.keep[worst.1] = true;
-                open.extend([(from, worst.1), (worst.1, to)]);
-            }
-        }
-    }
-
-    fn look_around(&mut self) {
-        let count = self.keep.len();
-        self.around = vec![(0, 0); count];
-        let mut at = 0;
-        for frame in 0..count {
-            if self.keep[frame] {
-                at = frame;
-            }
-            self.around[frame].0 = at;
-        }
-        let mut at = self.keep.iter().rposition(|keep| *keep).unwrap_or(0);
-        for frame in (0..count).rev() {
-            if self.keep[frame] {
-                at = frame;
-            }
-            self.around[frame].1 = at;
-        }
-    }
-
-    fn channel(&self, times: &[f32]) -> Channel {
-        let kept: Vec<usize> = (0..times.len()).filter(|frame| self.keep[*frame]).collect();
-        let values = if self.rotates {
-            let mut keys: Vec<Value> = Vec::with_capacity(kept.len());
-            for frame in &kept {
-                let key = self.values[*frame];
-                let opposite =
-                    keys.last().is_some_and(|before| before.iter().zip(&key).map(|(a, b)| a * b).sum::<f32>() < 0.0);
-                keys.push(if opposite { key.map(|part| 0.0 - part) } else { key });
-            }
-            KeyValues::Rotation(keys)
-        } else {
-            KeyValues::Translation(
-                kept.iter()
-                    .map(|frame| [self.values[*frame][0], self.values[*frame][1], self.values[*frame][2]])
-                    .collect(),
-            )
-        };
-        let times = kept.iter().map(|frame| times[*frame]).collect();
-        Channel { target: self.target, times, values, interpolation: Interpolation::Linear }
-    }
-}
-
 /// The contacts as plain animation: translation.x of a helper node is 1 while any part of the foot holds.
 fn contact_channels(contacts: &[(&FootContact, f32, f32)], duration: f32) -> Vec<Channel> {
     let channel = |side: Side| {
@@ -483,23 +384,4 @@ fn contact_channels(contacts: &[(&FootContact, f32, f32)], duration: f32) -> Vec
         Channel { target, times, values, interpolation: Interpolation::Step }
     };
     Side::BOTH.map(channel).to_vec()
-}
-
-fn stored_translation(place: DVec3) -> Value {
-    [place.x as f32 + 0.0, place.y as f32 + 0.0, place.z as f32 + 0.0, 0.0]
-}
-
-fn stored_rotation(turn: DQuat) -> Value {
-    let turn = turn.normalize();
-    [turn.x as f32 + 0.0, turn.y as f32 + 0.0, turn.z as f32 + 0.0, turn.w as f32 + 0.0]
-}
-
-/// The translation of a key.
-pub(super) fn vector(value: &Value) -> DVec3 {
-    DVec3::new(f64::from(value[0]), f64::from(value[1]), f64::from(value[2]))
-}
-
-/// The rotation of a key.
-pub(super) fn quaternion(value: &Value) -> DQuat {
-    DQuat::from_xyzw(f64::from(value[0]), f64::from(value[1]), f64::from(value[2]), f64::from(value[3])).normalize()
 }

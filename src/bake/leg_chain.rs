@@ -2,7 +2,8 @@
 //!
 //! Scenario space, m. Only the chain from the scene's root to the foot is computed: this runs thousands of times a clip.
 
-use super::keys::{quaternion, vector};
+use super::track::{quaternion, vector};
+use crate::measure::support::held_points;
 use crate::model::{Side, report::Part};
 use crate::rig::Rig;
 use crate::rig::animate::Poser;
@@ -11,12 +12,10 @@ use glam::{DAffine3, DQuat, DVec3};
 /// One foot's chain of nodes.
 #[derive(Clone, Debug)]
 pub(super) struct LegChain {
-    base: DAffine3,               // scenario space from the document's world
-    new_root: [Option<usize>; 2], // tracks: translation, rotation
-    links: Vec<Link>,             // parents first
-    ankle: (usize, DVec3),        // link, point in its node
-    ball: (usize, DVec3),
-    heel: (usize, DVec3),
+    base: DAffine3,                   // scenario space from the document's world
+    new_root: [Option<usize>; 2],     // tracks: translation, rotation
+    links: Vec<Link>,                 // parents first
+    points: [Vec<(usize, DVec3)>; 3], // flat, ball, heel: link, point in its node
 }
 
 #[derive(Clone, Debug)]
@@ -47,28 +46,18 @@ impl LegChain {
         track: &dyn Fn(usize, bool) -> Option<usize>,
         new_root: [Option<usize>; 2],
     ) -> LegChain {
-        let foot = &rig.body.feet[side as usize];
-        let rest = rig.body.joints[foot.ankle].rest;
-        let along = |length: f64| DVec3::new(foot.forward.x * length, -foot.ankle_height, foot.forward.y * length);
-        let ankle = node_of(rig, foot.ankle);
-        let (ball, ball_point) = match foot.toe {
-            Some(toe) => (node_of(rig, toe), rig.body.joints[toe].rest),
-            None => (ankle, rest + along(foot.ball)),
-        };
-        let mut chain = LegChain {
-            base: rig.scenario_from_document(),
-            new_root,
-            links: Vec::new(),
-            ankle: (0, rest),
-            ball: (0, rest),
-            heel: (0, rest),
-        };
-        let globals = poser.reference_globals();
-        let local = |node: usize, point: DVec3| globals[node].inverse().transform_point3(point);
-        chain.ankle = (chain.link(rig, poser, track, ankle), local(ankle, rest));
-        chain.ball = (chain.link(rig, poser, track, ball), local(ball, ball_point));
-        chain.heel = (chain.ankle.0, local(ankle, rest + along(foot.heel)));
-        if !poser.under_new_root(ankle) {
+        let base = rig.scenario_from_document();
+        let mut chain = LegChain { base, new_root, links: Vec::new(), points: [const { Vec::new() }; 3] };
+        for part in [Part::Flat, Part::Ball, Part::Heel] {
+            for point in held_points(&rig.body, side, part) {
+                let node = node_of(rig, point.joint);
+                let local = poser.reference_globals()[node].inverse();
+                let place = local.transform_point3(rig.body.joints[point.joint].rest + point.offset);
+                let link = chain.link(rig, poser, track, node);
+                chain.points[part as usize].push((link, place));
+            }
+        }
+        if !poser.under_new_root(node_of(rig, rig.body.feet[side as usize].ankle)) {
             chain.new_root = [None, None];
         }
         chain
@@ -105,12 +94,9 @@ impl LegChain {
             let local = DAffine3::from_scale_rotation_translation(link.rest.scale, rotation, translation);
             globals.push(link.parent.map_or(base, |parent| globals[parent]) * local);
         }
-        let place = |(link, point): (usize, DVec3)| globals[link].transform_point3(point);
-        match part {
-            Part::Flat => Held([place(self.ankle), place(self.ball)]),
-            Part::Ball => Held([place(self.ball); 2]),
-            Part::Heel => Held([place(self.heel); 2]),
-        }
+        let mut places = self.points[part as usize].iter().map(|(link, point)| globals[*link].transform_point3(*point));
+        let first = places.next().unwrap_or_default();
+        Held([first, places.next().unwrap_or(first)])
     }
 }
 

@@ -13,6 +13,7 @@ mod reach;
 mod report;
 pub mod root_motion;
 pub mod timeline;
+mod track;
 
 pub use perform::{Performance, perform};
 pub use root_motion::RootMotion;

@@ -99,7 +99,7 @@ fn is_root_name(name: &str) -> bool {
 #[derive(Clone, Debug, PartialEq)]
 pub struct RootCurve {
     dt: f64,
-    samples: Vec<[f64; 3]>,    // x, z (m), yaw (rad)
+    samples: Vec<[f64; 3]>,      // x, z (m), yaw (rad)
     knots: Vec<(f64, [f64; 3])>, // s; empty until straightened
 }
 
@@ -130,7 +130,8 @@ impl RootCurve {
             (keep[from], keep[to]) = (true, true);
             let off = |at: usize| {
                 let share = (times[at] - times[from]) / (times[to] - times[from]);
-                let off = [0, 1, 2].map(|axis| path[at][axis] - path[from][axis] - share * (path[to][axis] - path[from][axis]));
+                let off = [0, 1, 2]
+                    .map(|axis| path[at][axis] - path[from][axis] - share * (path[to][axis] - path[from][axis]));
                 (off[0].hypot(off[1]) / KNOT_PLACE).max(off[2].abs() / KNOT_YAW)
             };
             let worst = (from + 1..to).max_by(|a, b| off(*a).total_cmp(&off(*b)));

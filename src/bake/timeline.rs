@@ -20,7 +20,9 @@ pub struct Timeline {
     pub anatomy: Anatomy,
     /// s between entries of the series.
     pub dt: f64,
-    /// m, centre of mass as the stepper has it.
+    /// s, the first disturbance: the passes change nothing before it.
+    pub still_until: f64,
+    /// m, centre of mass as the stepper has it, at the standing height (what it must sink is the reach envelope's).
     pub com: Vec<DVec3>,
     /// m, what the balance filter adds to it.
     pub shift: Vec<DVec3>,

@@ -2,9 +2,10 @@
 
 use super::args::{Assist, BakeArgs, Drive};
 use super::exit_code::{Exit, Failure};
-use super::parts::{self, Bake, BakeChoices};
+use super::parts;
 use super::writer::{self, Output};
 use super::{resolve, say, tell};
+use crate::bake::Baked;
 use crate::model::report::{ClipReport, Contact, Outcome, Part};
 use crate::model::{Scenario, Side};
 use serde_json::json;
@@ -45,34 +46,36 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         tell(&format!("warning: {}: {warning}", args.rig.display()));
     }
 
-    let choices =
-        BakeChoices { clip: args.clip.as_deref(), fps: args.fps, seed: args.seed, root: args.root, drive: args.drive };
-    let baked = parts::bake(&rig, &scenario, &choices)?;
+    let baked = parts::bake(&rig, &scenario, args)?;
     for warning in &baked.warnings {
         tell(&format!("warning: {warning}"));
     }
     let fell = baked.report.outcome == Outcome::Fall;
     if fell && args.require_balance {
         if args.json {
-            say(&as_json(&baked, None, None))?;
+            say(&as_json(&baked, &baked.clip.name, None))?;
         }
         tell("the character fell: nothing was written (--require-balance)");
         return Ok(Exit::Refused);
     }
 
+    let exported = parts::exported(&rig, &baked)?;
+    for change in &exported.changes {
+        tell(&format!("note: {change}"));
+    }
+    let size = exported.glb.len();
     let mut outputs = vec![
-        Output { path: output.clone(), bytes: parts::glb(&rig, &baked.clip, &baked.report)? },
-        Output { path: events.clone(), bytes: parts::events(&baked.clip, &baked.report)? },
+        Output { path: output.clone(), bytes: exported.glb },
+        Output { path: events.clone(), bytes: exported.events },
     ];
     if let Some(sheet) = &args.sheet {
-        outputs.push(Output { path: sheet.clone(), bytes: parts::sheet(&rig, &baked)? });
+        outputs.push(Output { path: sheet.clone(), bytes: parts::sheet(&rig, &baked.clip, &baked.report) });
     }
-    let size = outputs[0].bytes.len();
     writer::write(&outputs, &inputs)?;
-    let places = Places { output: &output, events: &events };
+    let places = Places { output: &output, events: &events, sheet: args.sheet.as_deref() };
     say(&match args.json {
-        true => as_json(&baked, Some(&places), args.sheet.as_deref()),
-        false => summary(&baked, &places, size, args.sheet.as_deref()),
+        true => as_json(&baked, &exported.name, Some(&places)),
+        false => summary(&baked, &exported.name, &places, size),
     })?;
     Ok(Exit::Done)
 }
@@ -81,39 +84,41 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
 struct Places<'a> {
     output: &'a Path,
     events: &'a Path,
+    sheet: Option<&'a Path>,
 }
 
 /// One JSON object on one line.
-fn as_json(baked: &Bake, places: Option<&Places>, sheet: Option<&Path>) -> String {
+fn as_json(baked: &Baked, name: &str, places: Option<&Places>) -> String {
     let text = |path: Option<&Path>| path.map(|path| path.display().to_string());
     let object = json!({
         "output": text(places.map(|places| places.output)),
         "events": text(places.map(|places| places.events)),
-        "sheet": text(sheet),
-        "clip": baked.clip.name,
+        "sheet": text(places.and_then(|places| places.sheet)),
+        "clip": name,
         "warnings": baked.warnings,
-        "report": baked.report,
+        "report": crate::export::events::report_json(name, &baked.report).unwrap_or_default(),
     });
     format!("{object}\n")
 }
 
 /// What came of it, for a person.
-fn summary(baked: &Bake, places: &Places, size: usize, sheet: Option<&Path>) -> String {
+fn summary(baked: &Baked, name: &str, places: &Places, size: usize) -> String {
     let report = &baked.report;
     let mut text = String::new();
     let mut line = |label: &str, what: std::fmt::Arguments| {
-        text += &format!("{label:<11}{what}\n");
+        text += format!("{label:<11}{what}").trim_end();
+        text.push('\n');
     };
     line("baked", format_args!("{} ({})", places.output.display(), bytes(size)));
     line("events", format_args!("{}", places.events.display()));
-    if let Some(sheet) = sheet {
+    if let Some(sheet) = places.sheet {
         line("sheet", format_args!("{}", sheet.display()));
     }
     line(
         "clip",
         format_args!(
             "{}: {:.2} s at {} fps, root motion {}, drive {}, seed {}",
-            baked.clip.name, report.duration, report.fps, report.root_motion, report.drive, report.seed
+            name, report.duration, report.fps, report.root_motion, report.drive, report.seed
         ),
     );
     line("body", format_args!("{:.1} kg, {:.2} m", report.body.mass, report.body.height));
@@ -180,7 +185,7 @@ fn contact_row(contact: &Contact) -> String {
         Part::Flat => "flat",
     };
     let foot = side_name(contact.foot);
-    let [x, y, z] = contact.position;
+    let [x, y, z] = contact.position.map(|metres| (metres * 100.0).round() / 100.0 + 0.0); // + 0.0: never "-0.00"
     let slip = contact.slip_mm;
     format!(
         "{foot:<5}  {part}  {:7.3} to {:7.3} s  at ({x:6.2}, {y:5.2}, {z:6.2})  slip {slip:.2} mm",

@@ -28,7 +28,7 @@ pub fn run(args: &NewArgs) -> Result<Exit, Failure> {
                     path.display()
                 )));
             }
-            put(&path, parts::mannequin(args.height, args.leg_scale)?)?;
+            put(&path, parts::new_rig(args.height, args.leg_scale))?;
         }
         New::Sweep => {
             return Err(Failure::bad_input("`surefoot new sweep` is not in this version yet\n  help: rig or scenario"));

@@ -1,83 +1,125 @@
 //! The calls that the subcommands make into the rows above, each with its errors sorted into exit codes.
 
-use super::args::{Drive, Root};
+use super::args::{BakeArgs, Root};
 use super::exit_code::Failure;
+use crate::bake::{BakeOptions, Baked, RootMotion};
 use crate::model::{Clip, ClipReport, Scenario};
-use crate::rig::Rig;
+use crate::rig::mannequin::{BUILTIN, MannequinOptions, mannequin};
+use crate::rig::{Rig, RigError, clips};
+use crate::{bake, export, picture, rig};
+use std::cell::RefCell;
 use std::path::Path;
 
-/// A baked clip with what is known of it.
-pub struct Bake {
-    /// Keys.
-    pub clip: Clip,
-    /// What the clip says about itself.
-    pub report: ClipReport,
-    /// For a person.
-    pub warnings: Vec<String>,
-}
-
-/// What the arguments say about a bake.
-pub struct BakeChoices<'a> {
-    /// Name of the clip, if one was given.
-    pub clip: Option<&'a str>,
-    /// Hz.
-    pub fps: f64,
-    /// Instead of the scenario's.
-    pub seed: Option<u64>,
-    /// Root motion.
-    pub root: Root,
-    /// What moves the body.
-    pub drive: Drive,
-}
+/// Moments on a contact sheet.
+const MOMENTS: usize = 10;
 
 /// The rig inside of the program.
 pub fn builtin_rig() -> Result<Rig, Failure> {
-    Err(pending("the built-in rig"))
+    let alone = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
+    rig::load_bytes("builtin", BUILTIN, &alone, None).map_err(|error| Failure::failed(error.to_string()))
 }
 
 /// A rig from a file that is there.
-pub fn load_rig(_path: &Path) -> Result<Rig, Failure> {
-    Err(pending("loading a rig"))
+pub fn load_rig(path: &Path) -> Result<Rig, Failure> {
+    rig::load(path).map_err(|error| match error {
+        RigError::Io { .. } => Failure::bad_input(format!("{error}\n  help: give a file that you may read")),
+        error => Failure::bad_input(error.to_string()),
+    })
 }
 
 /// The built-in rig's file, of that height in metres and with legs so many times as long.
-pub fn mannequin(_height: Option<f64>, _leg_scale: Option<f64>) -> Result<Vec<u8>, Failure> {
-    Err(pending("making a rig"))
-}
-
-/// What was found in a rig, for other programs.
-pub fn inspect_json(_rig: &Rig) -> Result<serde_json::Value, Failure> {
-    Err(pending("inspecting a rig"))
+pub fn new_rig(height: Option<f64>, leg_scale: Option<f64>) -> Vec<u8> {
+    let ordinary = MannequinOptions::default();
+    mannequin(&MannequinOptions {
+        height: height.unwrap_or(ordinary.height),
+        leg_scale: leg_scale.unwrap_or(ordinary.leg_scale),
+        ..ordinary
+    })
 }
 
 /// Runs a scenario on a rig.
-pub fn bake(_rig: &Rig, _scenario: &Scenario, _choices: &BakeChoices) -> Result<Bake, Failure> {
-    Err(pending("baking"))
+pub fn bake(rig: &Rig, scenario: &Scenario, args: &BakeArgs) -> Result<Baked, Failure> {
+    let root = match args.root {
+        Root::Root => RootMotion::Root,
+        Root::Hips => RootMotion::Hips,
+        Root::InPlace => RootMotion::InPlace,
+    };
+    let options = BakeOptions { name: args.clip.clone(), fps: args.fps, seed: args.seed, root };
+    bake::bake(rig, scenario, &options).map_err(|error| Failure::failed(error.to_string()))
 }
 
-/// The rig's document with that clip in it.
-pub fn glb(_rig: &Rig, _clip: &Clip, _report: &ClipReport) -> Result<Vec<u8>, Failure> {
-    Err(pending("writing a clip"))
+/// The bytes of a baked file and of the events beside it.
+pub struct Exported {
+    /// The rig's document with the clip in it.
+    pub glb: Vec<u8>,
+    /// `{ clip name: report }`.
+    pub events: Vec<u8>,
+    /// The name that the clip got.
+    pub name: String,
+    /// What had to change in the source's own values.
+    pub changes: Vec<String>,
 }
 
-/// The file that lies beside the clip: `{ clip name: report }`.
-pub fn events(clip: &Clip, report: &ClipReport) -> Result<Vec<u8>, Failure> {
-    let object = serde_json::json!({ clip.name.as_str(): report });
-    let mut bytes = serde_json::to_vec_pretty(&object).map_err(|error| Failure::failed(error.to_string()))?;
-    bytes.push(b'\n');
-    Ok(bytes)
+/// Makes the files of a baked clip.
+pub fn exported(rig: &Rig, baked: &Baked) -> Result<Exported, Failure> {
+    let failed = |error: export::ExportError| Failure::failed(error.to_string());
+    let clips = [(baked.clip.clone(), baked.report.clone())];
+    let file = export::glb(rig, &clips).map_err(failed)?;
+    let name = file.names.into_iter().next().unwrap_or_else(|| baked.clip.name.clone());
+    let events = export::events_json([(name.as_str(), &baked.report)]).map_err(failed)?;
+    Ok(Exported { glb: file.bytes, events, name, changes: file.changes })
 }
 
 /// A contact sheet as PNG bytes.
-pub fn sheet(_rig: &Rig, _baked: &Bake) -> Result<Vec<u8>, Failure> {
-    Err(pending("drawing a contact sheet"))
+pub fn sheet(rig: &Rig, clip: &Clip, report: &ClipReport) -> Vec<u8> {
+    let sampler = RefCell::new(rig.sampler(clip));
+    let pose = |time: f64| picture::transforms_of_globals(rig, sampler.borrow_mut().node_globals(time));
+    let moments = picture::choose_moments(report, MOMENTS);
+    let layout = picture::Layout::fitting(moments.len());
+    picture::png(&picture::sheet(&picture::SheetInput { rig, pose: &pose, report, overlay: None, moments, layout }))
 }
 
-/// A contact sheet of a clip that lies in a file.
-pub fn sheet_of_file(_path: &Path, _clip: Option<&str>) -> Result<Vec<u8>, Failure> {
-    Err(pending("drawing a contact sheet"))
+/// A contact sheet of a clip that lies in the rig's file: of that name, or the last one.
+pub fn sheet_of_file(rig: &Rig, file: &str, wanted: Option<&str>) -> Result<Vec<u8>, Failure> {
+    let names = clips::clip_names(rig);
+    let index = match wanted {
+        Some(wanted) => names.iter().position(|name| name == wanted),
+        None => names.len().checked_sub(1),
+    };
+    let Some(index) = index else {
+        let remedy = match names.is_empty() {
+            true => "bake one into it with `surefoot bake`".to_owned(),
+            false => format!("it has {}", names.join(", ")),
+        };
+        let what = wanted.map_or("no clip".to_owned(), |wanted| format!("no clip \"{wanted}\""));
+        return Err(Failure::bad_input(format!("{file}: there is {what} in it\n  help: {remedy}")));
+    };
+    let clip = clips::read_clip(rig, index).map_err(|fault| Failure::bad_input(format!("{file}: {fault}")))?;
+    let extras = rig.document.list("animations")[index].pointer("/extras/surefoot");
+    let report = extras.and_then(|report| serde_json::from_value(report.clone()).ok());
+    let report = report.unwrap_or_else(|| foreign(rig, &clip));
+    Ok(sheet(rig, &clip, &report))
 }
 
-fn pending(what: &str) -> Failure {
-    Failure::bad_input(format!("{what} is not in this version yet"))
+/// What is known of a clip that says nothing about itself.
+fn foreign(rig: &Rig, clip: &Clip) -> ClipReport {
+    use crate::model::report::{Assist, BodyReport, Outcome, Plausibility};
+    ClipReport {
+        version: 1,
+        generator: String::new(),
+        fps: clip.fps,
+        duration: clip.duration,
+        seed: 0,
+        root_motion: String::new(),
+        drive: String::new(),
+        scenario: clip.name.clone(),
+        outcome: Outcome::Still,
+        steps: 0,
+        body: BodyReport { mass: rig.body.mass, height: rig.body.height },
+        contacts: Vec::new(),
+        events: Vec::new(),
+        disturbances: Vec::new(),
+        assist: Assist::default(),
+        plausibility: Plausibility::default(),
+    }
 }

@@ -7,11 +7,10 @@ use super::{parts, resolve, tell};
 
 /// Draws it.
 pub fn run(args: &SheetArgs) -> Result<Exit, Failure> {
-    resolve::plain_file(&args.file, "give a .glb, .gltf or .vrm file with a clip, as `surefoot bake` writes it")?;
-    let inputs = [args.file.clone()];
-    writer::check(&[&args.output], &inputs)?;
-    let bytes = parts::sheet_of_file(&args.file, args.clip.as_deref())?;
-    writer::write(&[Output { path: args.output.clone(), bytes }], &inputs)?;
+    let rig = resolve::rig(&args.file)?;
+    writer::check(&[&args.output], &rig.files)?;
+    let bytes = parts::sheet_of_file(&rig.rig, &args.file.display().to_string(), args.clip.as_deref())?;
+    writer::write(&[Output { path: args.output.clone(), bytes }], &rig.files)?;
     tell(&format!("wrote {}", args.output.display()));
     Ok(Exit::Done)
 }

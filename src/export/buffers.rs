@@ -5,6 +5,7 @@
 
 use super::ExportError;
 use crate::rig::Document;
+use base64::Engine;
 use serde_json::{Map, Value, json};
 
 /// The buffer in the making.
@@ -66,19 +67,20 @@ impl Joined {
         at
     }
 
-    /// Moves images that lie in files beside the document into it.
+    /// Moves images that lie in files beside the document, or in `data:` uris, into the buffer.
     pub(super) fn embed_images(&mut self, document: &Document, root: &mut Map<String, Value>) {
         let mut views = Vec::new();
         let present = root.get("bufferViews").and_then(Value::as_array).map_or(0, Vec::len);
         for (index, image) in root.get_mut("images").and_then(Value::as_array_mut).into_iter().flatten().enumerate() {
             let Some(fields) = image.as_object_mut() else { continue };
             let Some(uri) = fields.get("uri").and_then(Value::as_str) else { continue };
-            let Some(data) = document.image_files.get(index).and_then(Option::as_ref) else { continue };
-            let kind = mime_type(data)
+            let outer = document.image_files.get(index).cloned().flatten();
+            let Some(data) = outer.or_else(|| data_uri(uri)) else { continue };
+            let kind = mime_type(&data)
                 .or_else(|| fields.get("mimeType").and_then(Value::as_str))
                 .unwrap_or_else(|| mime_type_of(uri))
                 .to_owned();
-            views.push(json!({ "buffer": 0, "byteOffset": self.append(data), "byteLength": data.len() }));
+            views.push(json!({ "buffer": 0, "byteOffset": self.append(&data), "byteLength": data.len() }));
             fields.shift_remove("uri");
             fields.insert("mimeType".into(), kind.into());
             fields.insert("bufferView".into(), (present + views.len() - 1).into());
@@ -111,6 +113,12 @@ fn rebase(holder: &mut Value, places: &[(usize, usize)]) -> Result<(), ExportErr
         fields.insert("byteOffset".into(), (before + offset as u64).into());
     }
     Ok(())
+}
+
+/// The bytes of a base64 `data:` uri.
+fn data_uri(uri: &str) -> Option<Vec<u8>> {
+    let (head, data) = uri.strip_prefix("data:")?.split_once(',')?;
+    head.ends_with(";base64").then(|| base64::engine::general_purpose::STANDARD.decode(data.trim()).ok()).flatten()
 }
 
 /// What the first bytes say.

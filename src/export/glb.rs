@@ -230,12 +230,9 @@ fn matrices_to_trs(rig: &Rig, clips: &[(Clip, ClipReport)], root: &mut Map<Strin
 
 /// Appends the nodes that the clips drive and the document lacks: their indices.
 fn add_nodes(rig: &Rig, targets: &BTreeSet<Target>, root: &mut Map<String, Value>) -> BTreeMap<Target, usize> {
-    let mut added = BTreeMap::new();
-    let mut free = list(root, "nodes").len();
-    for target in targets.iter().filter(|target| !matches!(target, Target::Node(_))) {
-        added.insert(*target, free);
-        free += 1;
-    }
+    let free = list(root, "nodes").len();
+    let new = targets.iter().filter(|target| !matches!(target, Target::Node(_)));
+    let added: BTreeMap<Target, usize> = new.zip(free..).map(|(target, node)| (*target, node)).collect();
     if added.is_empty() {
         return added;
     }

@@ -10,7 +10,7 @@ use glam::DVec2;
 /// Points that are not finite are left out.
 pub fn convex_hull(points: &[DVec2]) -> Vec<DVec2> {
     let mut sorted: Vec<DVec2> = points.iter().copied().filter(|point| point.is_finite()).collect();
-    sorted.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    sorted.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     sorted.dedup();
     if sorted.len() < 3 {
         return sorted;

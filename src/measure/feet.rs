@@ -31,8 +31,14 @@ pub struct FeetFindings {
     pub slip_speed_p95: f64,
     /// mm, the deepest sole vertex under the contact's plane, or under y = 0 for a foot that has none.
     pub penetration_max_mm: f64,
+    /// s, when that is.
+    pub penetration_time: f64,
     /// mm, the highest that the lowest vertex of a contacting part is over its plane.
     pub float_max_mm: f64,
+    /// s, when that is.
+    pub float_time: f64,
+    /// mm, one a contact, same order: the highest that its part floats.
+    pub floats_mm: Vec<f64>,
     /// m/s.
     pub peak_ankle_speed: f64,
     /// m, the least distance between the two legs' axes while a foot is in the air; infinite without a swing.
@@ -46,15 +52,19 @@ pub fn feet(track: &Track, contacts: &[HeldContact]) -> FeetFindings {
     let mut speeds: Vec<f64> = Vec::new();
     let slips: Vec<Slip> = contacts.iter().map(|contact| slip(track, contact, &mut speeds)).collect();
     let lengths: Vec<f64> = slips.iter().map(|slip| slip.mm).collect();
-    let (penetration, float) = depths(track, contacts);
+    let (penetration, floats) = depths(track, contacts);
+    let float = floats.iter().copied().fold((0.0, 0.0), |most, next| if next.0 > most.0 { next } else { most });
     let (distance, time) = leg_distance(track, contacts);
     FeetFindings {
         slip_p95_mm: percentile(&lengths, 0.95),
         slip_max_mm: lengths.iter().copied().fold(0.0, f64::max),
         slip_speed_p95: percentile(&speeds, 0.95),
         slips,
-        penetration_max_mm: penetration,
-        float_max_mm: float,
+        penetration_max_mm: penetration.0,
+        penetration_time: penetration.1,
+        float_max_mm: float.0,
+        float_time: float.1,
+        floats_mm: floats.iter().map(|float| float.0).collect(),
         peak_ankle_speed: peak_ankle_speed(track),
         least_leg_distance: distance,
         least_leg_time: time,
@@ -85,35 +95,50 @@ fn slip(track: &Track, contact: &HeldContact, speeds: &mut Vec<f64>) -> Slip {
     Slip { mm: 1000.0 * farthest, speed_p95: percentile(&own, 0.95) }
 }
 
-/// (deepest under, highest over) in mm.
-fn depths(track: &Track, contacts: &[HeldContact]) -> (f64, f64) {
+/// A length (mm) and when it is reached (s).
+type Peak = (f64, f64);
+
+/// The deepest under the ground, and of each contact the highest over it.
+fn depths(track: &Track, contacts: &[HeldContact]) -> (Peak, Vec<Peak>) {
     let mut points: Vec<DVec3> = Vec::new();
-    let (mut deepest, mut highest) = (0.0_f64, 0.0_f64);
+    let mut deepest: Peak = (0.0, 0.0);
+    let mut highest: Vec<Peak> = vec![(0.0, 0.0); contacts.len()];
     for sample in 0..track.len() {
+        let time = track.motion.time(sample);
         for side in Side::BOTH {
             points.clear();
             part_points(track, sample, side, Part::Flat, &mut points);
-            let mut holding =
-                holding(contacts, track.motion.time(sample)).filter(|contact| contact.side == side).peekable();
-            if holding.peek().is_none() {
-                deepest = points.iter().fold(deepest, |deepest, point| deepest.max(-point.y));
-            }
-            for contact in holding {
-                deepest = points.iter().fold(deepest, |deepest, point| deepest.max(-contact.height(*point)));
-                let from = points.len();
+            let sole = points.len();
+            let mut sink = |depth: f64| {
+                if depth > deepest.0 {
+                    deepest = (depth, time);
+                }
+            };
+            let mut in_contact = false;
+            for (contact, highest) in contacts.iter().zip(&mut highest) {
+                if contact.side != side || !holds(contact, time) {
+                    continue;
+                }
+                in_contact = true;
+                points[..sole].iter().for_each(|point| sink(-1000.0 * contact.height(*point)));
                 part_points(track, sample, side, contact.part, &mut points);
-                let lowest = points[from..].iter().map(|point| contact.height(*point)).fold(f64::INFINITY, f64::min);
-                highest = highest.max(lowest);
-                points.truncate(from);
+                let lowest = points[sole..].iter().map(|point| contact.height(*point)).fold(f64::INFINITY, f64::min);
+                points.truncate(sole);
+                if 1000.0 * lowest > highest.0 {
+                    *highest = (1000.0 * lowest, time);
+                }
+            }
+            if !in_contact {
+                points.iter().for_each(|point| sink(-1000.0 * point.y));
             }
         }
     }
-    (1000.0 * deepest, 1000.0 * highest)
+    (deepest, highest)
 }
 
-/// Contacts that hold at a time.
-fn holding(contacts: &[HeldContact], time: f64) -> impl Iterator<Item = &HeldContact> + '_ {
-    contacts.iter().filter(move |contact| contact.start - 1e-6 <= time && time <= contact.end + 1e-6)
+/// Whether a contact holds at a time.
+fn holds(contact: &HeldContact, time: f64) -> bool {
+    contact.start - 1e-6 <= time && time <= contact.end + 1e-6
 }
 
 /// m/s, of both ankles, from sample to sample.
@@ -138,7 +163,7 @@ fn leg_distance(track: &Track, contacts: &[HeldContact]) -> (f64, f64) {
     let mut least = (f64::INFINITY, 0.0);
     for sample in 0..track.len() {
         let time = track.motion.time(sample);
-        if Side::BOTH.iter().all(|side| holding(contacts, time).any(|contact| contact.side == *side)) {
+        if Side::BOTH.iter().all(|side| contacts.iter().any(|contact| contact.side == *side && holds(contact, time))) {
             continue;
         }
         let [a, b] = Side::BOTH.map(|side| leg_axis(track, sample, knees[side as usize], &body.feet[side as usize]));
@@ -260,6 +285,7 @@ mod tests {
         let track = Track::new(fixture::motion(&body, &poses)).expect("sound");
         let found = feet(&track, &fixture::standing());
         assert!((found.penetration_max_mm - 12.0).abs() < 1e-6 && (found.float_max_mm - 7.0).abs() < 1e-6, "{found:?}");
+        assert_eq!((found.penetration_time, found.float_time), (1.0 / 120.0, 2.0 / 120.0));
         let air = feet(&track, &[]);
         assert!((air.penetration_max_mm - 12.0).abs() < 1e-6 && air.float_max_mm == 0.0, "{air:?}");
     }

@@ -37,6 +37,8 @@ pub struct Findings {
     pub residual_peak: ((f64, f64), (f64, f64)),
     /// Peak change of speed along the push over impulse / mass; `None` without a push.
     pub speed_ratio: Option<f64>,
+    /// The body's leg over the reference 0.83 m: lengths that are asked for scale with it.
+    pub leg_scale: f64,
     /// The friction that the residual was measured with.
     pub friction: f64,
     /// Centre of mass, momentum and needed wrench, sample by sample.
@@ -75,6 +77,7 @@ pub fn measure(motion: Motion, contacts: &[HeldContact], pushes: &[KnownPush], f
         residual_moment: rms(&|wrench| wrench.moment.length_squared()) / (units.weight * units.height),
         residual_peak: (peak(&|wrench| wrench.force.length()), peak(&|wrench| wrench.moment.length())),
         speed_ratio: speed_ratio(&track, &dynamics, pushes),
+        leg_scale: motion.body.leg_length / 0.83,
         friction,
         dynamics,
         zmp_distances: distances,
@@ -148,16 +151,29 @@ impl Findings {
             notes.push(format!("a planted foot slips {:.1} mm", self.feet.slip_max_mm));
         }
         if self.feet.penetration_max_mm > 5.0 {
-            notes.push(format!("a sole is {:.1} mm under the ground", self.feet.penetration_max_mm));
+            notes.push(format!(
+                "a sole is {:.1} mm under the ground at {:.2} s",
+                self.feet.penetration_max_mm, self.feet.penetration_time
+            ));
         }
         if self.feet.float_max_mm > 5.0 {
-            notes.push(format!("a sole that should touch is {:.1} mm over the ground", self.feet.float_max_mm));
+            notes.push(format!(
+                "a sole that should touch is {:.1} mm over the ground at {:.2} s",
+                self.feet.float_max_mm, self.feet.float_time
+            ));
         }
         if self.feet.peak_ankle_speed > ANKLE_SPEED {
             notes.push(format!("an ankle moves at {:.1} m/s; people reach about 8", self.feet.peak_ankle_speed));
         }
         if let Some(ratio) = self.speed_ratio.filter(|ratio| !(0.6..=1.1).contains(ratio)) {
             notes.push(format!("the push gives {ratio:.2} of the speed that its impulse would"));
+        }
+        if self.feet.least_leg_distance < LEAST_LEG_DISTANCE * self.leg_scale {
+            notes.push(format!(
+                "the legs come within {:.0} mm of each other at {:.2} s",
+                1000.0 * self.feet.least_leg_distance,
+                self.feet.least_leg_time
+            ));
         }
         if self.joints.knee_past_straight > super::joints::LIMIT_TOLERANCE {
             notes
@@ -184,6 +200,9 @@ impl Findings {
         notes
     }
 }
+
+/// m at the reference leg, between the legs' axes in a swing; nearer, the legs of most characters touch.
+const LEAST_LEG_DISTANCE: f64 = 0.08;
 
 /// (99th percentile of the friction needed, least normal force in body weights).
 fn ground_forces(dynamics: &Dynamics, supports: &[Option<Support>], units: Units) -> (f64, f64) {

@@ -123,25 +123,24 @@ pub struct FootShape {
 }
 
 impl FootShape {
-    /// The rearmost point of the sole that stands on level ground (within 3 mm): an offset from the ankle at rest, rigid
-    /// with the foot joint. A heel's rounded back hangs over the ground and holds nothing.
+    /// The rearmost point of the sole that a raised forefoot turns about: an offset from the ankle at rest, rigid with the
+    /// foot joint. A heel's rounded back hangs over the ground and holds nothing, so height counts against it.
     pub fn heel_point(&self) -> DVec3 {
-        let levelled = |vertex: &DVec3| self.level * *vertex;
-        let along = |vertex: &DVec3| {
-            let at = levelled(vertex);
-            at.x * self.forward.x + at.z * self.forward.y
+        let lateness = |vertex: &DVec3| {
+            let levelled = self.level * *vertex;
+            let over = (levelled.y + self.ankle_height).max(0.0);
+            levelled.x * self.forward.x + levelled.z * self.forward.y + HEEL_ROUNDING * over
         };
-        self.rear_sole
-            .iter()
-            .filter(|vertex| levelled(vertex).y < -self.ankle_height + 0.003)
-            .min_by(|a, b| along(a).total_cmp(&along(b)))
-            .copied()
-            .unwrap_or_else(|| {
-                let back = self.forward * self.heel;
-                self.level.inverse() * DVec3::new(back.x, -self.ankle_height, back.y)
-            })
+        self.rear_sole.iter().min_by(|a, b| lateness(a).total_cmp(&lateness(b))).copied().unwrap_or_else(|| {
+            let back = self.forward * self.heel;
+            self.level.inverse() * DVec3::new(back.x, -self.ankle_height, back.y)
+        })
     }
 }
+
+/// How much further back a vertex must lie for each unit that it is over the ground, to be the heel's point: the slope
+/// of a sole pitched by 18 degrees, a heel strike's.
+const HEEL_ROUNDING: f64 = 3.0;
 
 impl Body {
     /// Index of that role's joint.

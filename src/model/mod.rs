@@ -2,17 +2,20 @@
 
 pub mod body;
 pub mod clip;
+pub mod physique;
 pub mod pose;
 pub mod report;
 pub mod role;
 pub mod scenario;
 pub mod scenario_errors;
+mod scenario_later;
 mod scenario_reader;
 pub mod scenario_rules;
 pub mod scenario_text;
 
 pub use body::{Body, BodyJoint, FootShape, Segment, Side};
 pub use clip::{Channel, Clip, Interpolation, KeyValues, Target};
+pub use physique::{Physique, Plant};
 pub use pose::BodyPose;
 pub use report::ClipReport;
 pub use role::Role;

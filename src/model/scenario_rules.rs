@@ -1,8 +1,7 @@
 //! What a scenario must hold to make sense, whoever wrote it: ranges, times, lanes that contradict each other.
 //!
 //! Every fault is found, not only the first; each names its place as a path (`push.0.force`), which the text form turns
-//! into a line. Messages speak in the units of the text: degrees, seconds, newtons. Also here: what this version of the
-//! program cannot bake yet.
+//! into a line. Messages speak in the units of the text: degrees, seconds, newtons.
 
 use super::scenario::{Direction, GroundKind, Push, Scenario};
 use super::scenario_errors::Fault;
@@ -38,38 +37,6 @@ impl Scenario {
         check.throws(self);
         check.carries(self);
         check.faults
-    }
-
-    /// What the scenario asks for that this version cannot bake: pushes and pulls on flat ground are all there is.
-    pub fn unavailable(&self) -> Vec<Fault> {
-        let mut faults = Vec::new();
-        let mut not_yet = |path: String, what: &str| {
-            faults.push(Fault {
-                path,
-                message: format!("{what} not available yet: this version bakes push and pull on flat ground"),
-                remedy: "take it out of the scenario for now".to_owned(),
-            });
-        };
-        if self.ground.kind != GroundKind::Flat {
-            not_yet("ground.kind".to_owned(), "this kind of ground is");
-        }
-        if self.base.is_some() {
-            not_yet("base".to_owned(), "a base clip is");
-        }
-        let lanes = [
-            ("walk", self.walk.len()),
-            ("turn", self.turn.len()),
-            ("crouch", self.crouch.len()),
-            ("stand", self.stand.len()),
-            ("throw", self.throw.len()),
-            ("carry", self.carry.len()),
-        ];
-        for (lane, count) in lanes {
-            for index in 0..count {
-                not_yet(format!("{lane}.{index}"), &format!("[[{lane}]] is"));
-            }
-        }
-        faults
     }
 }
 
@@ -430,7 +397,6 @@ mod tests {
     fn the_default_and_the_demo_are_good() {
         assert_eq!(Scenario::default().validate(), []);
         assert_eq!(Scenario::demo().validate(), []);
-        assert_eq!(Scenario::demo().unavailable(), []);
     }
 
     #[test]
@@ -483,15 +449,5 @@ mod tests {
         assert_eq!(paths(&scenario), ["carry.1.start"]);
         scenario.carry[0].end = Some(2.0);
         assert!(paths(&scenario).is_empty());
-    }
-
-    #[test]
-    fn what_cannot_be_baked_yet_is_named() {
-        let walk = Walk { start: 0.5, duration: None, speed: 1.0, heading: 0.0, facing: None };
-        let mut scenario = Scenario { walk: vec![walk], ..Scenario::demo() };
-        scenario.ground.kind = GroundKind::Slope { angle: 0.1 };
-        let faults = scenario.unavailable();
-        assert_eq!(faults.iter().map(|fault| fault.path.as_str()).collect::<Vec<_>>(), ["ground.kind", "walk.0"]);
-        assert!(faults[1].message.contains("not available yet: this version bakes push and pull on flat ground"));
     }
 }

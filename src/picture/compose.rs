@@ -170,8 +170,16 @@ fn cameras(frames: &[Frame], view: View, width: u32, height: u32) -> Vec<Camera>
     };
     let found: Vec<(DVec3, DVec3)> = frames.iter().map(bounds).collect();
     let top = found.iter().map(|(_, high)| high.y).fold(0.3, f64::max).min(6.0);
+    let distance = 2.5 * top.max(1.0);
+    // What reaches towards the camera looks larger by that much.
+    let nearer =
+        |low: DVec3, high: DVec3, axis: DVec3| 1.0 / (1.0 - ((high - low).dot(axis).abs() / 2.0 / distance).min(0.6));
     // The widest body decides in both views, so that front and side have one scale.
-    let widest = found.iter().map(|(low, high)| (high.x - low.x).max(high.z - low.z)).fold(0.3, f64::max).min(8.0);
+    let widths = found.iter().map(|(low, high)| {
+        let size = *high - *low;
+        (size.x * nearer(*low, *high, DVec3::Z)).max(size.z * nearer(*low, *high, DVec3::X))
+    });
+    let widest = widths.fold(0.3, f64::max).min(8.0);
     let (head_room, foot_room) = (25.0, 15.0);
     let scale = ((f64::from(height) - head_room - foot_room) / top).min((f64::from(width) - 18.0) / widest);
     let room = f64::from(width) / scale - 0.06;
@@ -183,7 +191,7 @@ fn cameras(frames: &[Frame], view: View, width: u32, height: u32) -> Vec<Camera>
             .iter()
             .map(|(low, high)| {
                 let (a, b) = (low.dot(axis), high.dot(axis));
-                ((a + b) / 2.0, if whole_box { (a - b).abs() / 2.0 } else { 0.0 })
+                ((a + b) / 2.0, if whole_box { (a - b).abs() / 2.0 * nearer(*low, *high, toward) } else { 0.0 })
             })
             .collect();
         let low = spans.iter().map(|(at, half)| at - half).fold(f64::INFINITY, f64::min);
@@ -201,7 +209,6 @@ fn cameras(frames: &[Frame], view: View, width: u32, height: u32) -> Vec<Camera>
     };
     let across = follow(right, room, true);
     let depth = follow(toward, 0.5, false);
-    let distance = 2.5 * top.max(1.0);
     let centre = DVec2::new(f64::from(width) / 2.0, (head_room + f64::from(height) - foot_room) / 2.0);
     across
         .iter()

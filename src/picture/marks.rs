@@ -164,17 +164,24 @@ pub fn arrow_length(force: f64) -> f64 {
 pub fn arrow_ends(push: &Push, surfaces: &[Surface]) -> (DVec3, DVec3) {
     let along = push.force.normalize_or(DVec3::X);
     let mut reach: f64 = 0.02;
+    let deepest = DEEPEST * stature(surfaces);
     for surface in surfaces {
         for triangle in surface.indices.chunks_exact(3) {
             let corner = |at: usize| surface.positions.get(triangle[at] as usize).copied();
             let (Some(a), Some(b), Some(c)) = (corner(0), corner(1), corner(2)) else { continue };
-            if let Some(far) = meets(push.point, -along, [a, b, c]).filter(|far| *far < DEEPEST) {
+            if let Some(far) = meets(push.point, -along, [a, b, c]).filter(|far| *far < deepest) {
                 reach = reach.max(far);
             }
         }
     }
     let tip = push.point - along * (reach + 0.01);
-    (tip - along * arrow_length(push.force.length()), tip)
+    (tip - along * arrow_length(push.force.length()) * stature(surfaces), tip)
+}
+
+/// How tall the body stands, to an ordinary one.
+fn stature(surfaces: &[Surface]) -> f64 {
+    let heights = surfaces.iter().flat_map(|surface| &surface.positions).map(|point| point.y);
+    (heights.fold(0.0, f64::max) / 1.75).clamp(0.4, 2.5)
 }
 
 /// How far along a ray it meets a triangle, m (Möller and Trumbore).
@@ -197,8 +204,8 @@ fn meets(from: DVec3, along: DVec3, [a, b, c]: [DVec3; 3]) -> Option<f64> {
 pub fn draw_pushes(canvas: &mut Canvas, camera: &Camera, lights: &Lights, overlay: &Overlay, surfaces: &[Surface]) {
     for push in &overlay.pushes {
         let (tail, tip) = arrow_ends(push, surfaces);
-        let arrow = arrow(tail, tip, 0.024, linear(PUSH));
-        canvas.ghost(camera, &arrow, 0.35);
+        let arrow = arrow(tail, tip, 0.024 * stature(surfaces), linear(PUSH));
+        canvas.ghost(camera, &arrow, 0.55);
         canvas.surface(camera, lights, &arrow, false);
     }
 }

@@ -79,6 +79,8 @@ pub struct Lights {
     pub key: DVec3,
     /// Unit, towards the viewer: the rim is measured against it.
     pub view: DVec3,
+    /// (key, view, halfway between them) as they are shaded with.
+    shading: [Vec3; 3],
 }
 
 impl Lights {
@@ -86,7 +88,7 @@ impl Lights {
     pub fn of(camera: &Camera) -> Lights {
         let view = -camera.forward();
         let key = (view * 0.75 - camera.right() * 0.62 + DVec3::Y * 1.25).normalize();
-        Lights { key, view }
+        Lights { key, view, shading: [key, view, (key + view).normalize()].map(|light| light.as_vec3()) }
     }
 }
 
@@ -214,13 +216,19 @@ impl Canvas {
             surface.positions.iter().map(|point| camera.project(*point)).collect();
         let smooth = surface.normals.len() == surface.positions.len();
         let texture = surface.texture.filter(|_| surface.uvs.len() == surface.positions.len());
-        for triangle in surface.indices.chunks_exact(3) {
+        // What faces the camera first: most of the rest is then hidden and need not be lit.
+        let triangles = || surface.indices.chunks_exact(3);
+        let passes = triangles().map(|triangle| (triangle, false)).chain(triangles().map(|triangle| (triangle, true)));
+        for (triangle, second) in passes {
             let [a, b, c] = [triangle[0] as usize, triangle[1] as usize, triangle[2] as usize];
             let corner = |index: usize| projected.get(index).copied().flatten();
             let (Some(pa), Some(pb), Some(pc)) = (corner(a), corner(b), corner(c)) else { continue };
             let positions = &surface.positions;
             let flat = (positions[b] - positions[a]).cross(positions[c] - positions[a]).normalize_or_zero();
             let away = flat.dot(positions[a] - camera.eye) > 0.0;
+            if away != second {
+                continue;
+            }
             let flat = (if away { -flat } else { flat }).as_vec3();
             let normals = smooth.then(|| {
                 // A sheet seen from behind is lit as its back.
@@ -388,14 +396,12 @@ fn backdrop(camera: &Camera, pixel: DVec2) -> Vec3 {
 
 /// Hemisphere, key light, a little sheen and rim.
 fn shade(albedo: Vec3, normal: Vec3, lights: &Lights) -> Vec3 {
-    let key = lights.key.as_vec3();
-    let view = lights.view.as_vec3();
+    let [key, view, half] = lights.shading;
     let up = 0.5 + 0.5 * normal.y;
     let ambient = Vec3::new(0.24, 0.23, 0.22).lerp(Vec3::new(0.50, 0.55, 0.62), up);
     let facing = normal.dot(key);
     // A wrapped Lambert: the terminator is soft.
     let diffuse = ((facing + 0.18) / 1.18).max(0.0);
-    let half = (key + view).normalize_or(view);
     let sheen = normal.dot(half).max(0.0).powi(24) * 0.07;
     let rim = (1.0 - normal.dot(view).max(0.0)).powi(4) * 0.05;
     albedo * (ambient + Vec3::new(0.86, 0.82, 0.76) * diffuse) + Vec3::splat(sheen + rim)

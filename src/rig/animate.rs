@@ -1,13 +1,13 @@
-//! Between poses of the body and local transforms of nodes, both ways: [`Poser`] writes them, [`Sampler`] reads a clip back
-//! as a glTF reader would.
+//! From poses of the body to local transforms of nodes. The way back is in `sampler`.
 //!
 //! All globals here are in scenario space (metres): the scene's roots hang from `scenario_from_document`. A node's *turn* is
 //! its global rotation from the reference pose; nodes that no joint drives inherit the turn of their parent, so local bone
 //! axes, scaled armatures and mirrored parents never matter. Scale is never animated. Non-uniform scale above a turned bone
 //! (a shear) has no exact answer in TRS and is treated as if it were uniform.
 
+pub use super::sampler::{SampledPose, Sampler, slerp};
 use super::{Rig, RigNode, Trs};
-use crate::model::{BodyPose, Clip, Interpolation, KeyValues, Role, Target};
+use crate::model::{BodyPose, Clip, Role};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 /// Which node carries the root motion.
@@ -41,17 +41,6 @@ pub struct Drive {
     pub translate: bool,
 }
 
-/// What a clip shows at one time, in scenario space.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct SampledPose {
-    /// m, the hips joint.
-    pub hips: DVec3,
-    /// (body joints) global rotation from rest.
-    pub turns: Vec<DQuat>,
-    /// (body joints) m, where the nodes really are; joints without a node move rigidly with their parent.
-    pub positions: Vec<DVec3>,
-}
-
 /// Turns poses of the body into local transforms of nodes.
 #[derive(Clone, Debug)]
 pub struct Poser<'a> {
@@ -61,27 +50,6 @@ pub struct Poser<'a> {
     reference_global: Vec<DAffine3>, // (nodes) scenario space
     drives: Vec<Option<Drive>>,      // (nodes)
     under_new_root: Vec<bool>,       // (nodes)
-}
-
-/// Reads a clip at any time. Keeps its place in each channel, so rising times are fast.
-#[derive(Clone, Debug)]
-pub struct Sampler<'a> {
-    rig: &'a Rig,
-    order: Vec<usize>,
-    tracks: Vec<[Option<Track<'a>>; 2]>, // (nodes) translation, rotation
-    root: [Option<Track<'a>>; 2],
-    under_new_root: Vec<bool>,
-    joints: Vec<Option<(usize, DMat3, DVec3)>>, // (body joints) node, inverse of its bind orientation, joint to node at rest
-    scenario_from_document: DAffine3,
-    globals: Vec<DAffine3>,
-}
-
-#[derive(Clone, Debug)]
-struct Track<'a> {
-    times: &'a [f32],
-    values: &'a KeyValues,
-    interpolation: Interpolation,
-    cursor: usize,
 }
 
 impl Rig {
@@ -188,7 +156,7 @@ impl Rig {
         globals
     }
 
-    fn under(&self, roots: &[usize], order: &[usize]) -> Vec<bool> {
+    pub(super) fn under(&self, roots: &[usize], order: &[usize]) -> Vec<bool> {
         let mut under = vec![false; self.nodes.len()];
         for &node in order {
             under[node] = self.nodes[node].parent.map_or_else(|| roots.contains(&node), |parent| under[parent]);
@@ -208,13 +176,6 @@ impl RootMove {
     /// As a matrix.
     pub fn affine(&self) -> DAffine3 {
         DAffine3::from_rotation_translation(self.rotation, self.translation)
-    }
-}
-
-impl SampledPose {
-    /// The pose alone.
-    pub fn pose(&self) -> BodyPose {
-        BodyPose { hips: self.hips, turns: self.turns.clone() }
     }
 }
 
@@ -348,182 +309,8 @@ impl<'a> Poser<'a> {
     }
 }
 
-impl<'a> Sampler<'a> {
-    /// Prepares to read a clip. Channels of nodes that the rig lacks are passed over.
-    pub fn new(rig: &'a Rig, clip: &'a Clip) -> Sampler<'a> {
-        let order = rig.parents_first();
-        let mut tracks: Vec<[Option<Track<'a>>; 2]> = vec![[None, None]; rig.nodes.len()];
-        let mut root = [None, None];
-        for channel in &clip.channels {
-            let (path, count) = match &channel.values {
-                KeyValues::Translation(keys) => (0, keys.len()),
-                KeyValues::Rotation(keys) => (1, keys.len()),
-            };
-            if channel.times.is_empty() || count != channel.times.len() {
-                continue;
-            }
-            let track = Track {
-                times: &channel.times,
-                values: &channel.values,
-                interpolation: channel.interpolation,
-                cursor: 0,
-            };
-            match channel.target {
-                Target::Node(node) if node < tracks.len() => tracks[node][path] = Some(track),
-                Target::NewRoot => root[path] = Some(track),
-                _ => {}
-            }
-        }
-        let bind = rig.bind_globals();
-        let joints = rig.joint_nodes.iter().zip(&rig.body.joints).map(|(node, joint)| {
-            let node = node.filter(|node| joint.animated && *node < bind.len())?;
-            Some((node, orientation(&bind[node].matrix3).transpose(), bind[node].translation - joint.rest))
-        });
-        Sampler {
-            under_new_root: rig.under(&rig.new_root_children(), &order),
-            scenario_from_document: rig.scenario_from_document(),
-            globals: vec![DAffine3::IDENTITY; rig.nodes.len()],
-            joints: joints.collect(),
-            rig,
-            order,
-            tracks,
-            root,
-        }
-    }
-
-    /// Evaluates only what these nodes need from now on: they and their ancestors. Other globals are not kept up.
-    pub fn limit_to(&mut self, nodes: &[usize]) {
-        let mut wanted = vec![false; self.rig.nodes.len()];
-        for &node in nodes {
-            let mut at = Some(node);
-            while let Some(node) = at.filter(|node| !wanted[*node]) {
-                wanted[node] = true;
-                at = self.rig.nodes[node].parent;
-            }
-        }
-        self.order.retain(|node| wanted[*node]);
-    }
-
-    /// Transforms of all nodes at `time`, node to scenario space.
-    pub fn node_globals(&mut self, time: f64) -> &[DAffine3] {
-        let base = self.scenario_from_document;
-        let new_root = if self.root.iter().any(Option::is_some) {
-            let translation = self.root[0].as_mut().map_or(DVec3::ZERO, |track| track.translation(time));
-            let rotation = self.root[1].as_mut().map_or(DQuat::IDENTITY, |track| track.rotation(time));
-            base * DAffine3::from_rotation_translation(rotation, translation)
-        } else {
-            base
-        };
-        for &node in &self.order {
-            let [translation, rotation] = &mut self.tracks[node];
-            let mut local = self.rig.nodes[node].local;
-            if let Some(track) = translation {
-                local.translation = track.translation(time);
-            }
-            if let Some(track) = rotation {
-                local.rotation = track.rotation(time);
-            }
-            let parent = match self.rig.nodes[node].parent {
-                Some(parent) => self.globals[parent],
-                None if self.under_new_root[node] => new_root,
-                None => base,
-            };
-            self.globals[node] = parent * local.affine();
-        }
-        &self.globals
-    }
-
-    /// The pose at `time` (s); before the first key and after the last they hold.
-    pub fn sample(&mut self, time: f64) -> SampledPose {
-        let mut pose = SampledPose::default();
-        self.sample_into(time, &mut pose);
-        pose
-    }
-
-    /// As [`Self::sample`], into a pose that is kept between calls.
-    pub fn sample_into(&mut self, time: f64, pose: &mut SampledPose) {
-        self.node_globals(time);
-        let body = &self.rig.body;
-        pose.turns.clear();
-        pose.positions.clear();
-        for (index, joint) in body.joints.iter().enumerate() {
-            let (turn, position) = match (&self.joints[index], joint.parent) {
-                (Some((node, bind_inverse, offset)), _) => {
-                    let global = &self.globals[*node];
-                    let turn = DQuat::from_mat3(&(orientation(&global.matrix3) * *bind_inverse)).normalize();
-                    (turn, global.translation - turn * *offset)
-                }
-                (None, Some(parent)) => {
-                    let turn: DQuat = pose.turns[parent];
-                    (turn, pose.positions[parent] + turn * body.offset(index))
-                }
-                (None, None) => (DQuat::IDENTITY, joint.rest),
-            };
-            pose.turns.push(turn);
-            pose.positions.push(position);
-        }
-        pose.hips = pose.positions.first().copied().unwrap_or_default();
-    }
-}
-
-impl Track<'_> {
-    /// The keys around a time and how far between them it is.
-    fn place(&mut self, time: f64) -> (usize, usize, f64) {
-        let last = self.times.len() - 1;
-        let at = |key: usize| f64::from(self.times[key]);
-        self.cursor = self.cursor.min(last);
-        if time < at(self.cursor) {
-            self.cursor = self.times.partition_point(|key| f64::from(*key) <= time).saturating_sub(1);
-        }
-        while self.cursor < last && at(self.cursor + 1) <= time {
-            self.cursor += 1;
-        }
-        let from = self.cursor;
-        if from == last || time <= at(from) || self.interpolation == Interpolation::Step {
-            return (from, from, 0.0);
-        }
-        (from, from + 1, (time - at(from)) / (at(from + 1) - at(from)))
-    }
-
-    fn translation(&mut self, time: f64) -> DVec3 {
-        let (from, to, share) = self.place(time);
-        match self.values {
-            KeyValues::Translation(keys) => vector(keys[from]).lerp(vector(keys[to]), share),
-            KeyValues::Rotation(_) => DVec3::ZERO,
-        }
-    }
-
-    fn rotation(&mut self, time: f64) -> DQuat {
-        let (from, to, share) = self.place(time);
-        match self.values {
-            KeyValues::Rotation(keys) if share == 0.0 => quaternion(keys[from]),
-            KeyValues::Rotation(keys) => slerp(quaternion(keys[from]), quaternion(keys[to]), share),
-            KeyValues::Translation(_) => DQuat::IDENTITY,
-        }
-    }
-}
-
-/// Spherical interpolation along the shorter arc, as glTF asks of readers.
-pub fn slerp(from: DQuat, to: DQuat, share: f64) -> DQuat {
-    let dot = from.dot(to);
-    let (to, dot) = if dot < 0.0 { (-to, -dot) } else { (to, dot) };
-    if dot > 1.0 - 1e-9 {
-        return (from * (1.0 - share) + to * share).normalize();
-    }
-    let angle = dot.min(1.0).acos();
-    (from * ((1.0 - share) * angle).sin() + to * (share * angle).sin()) * (1.0 / angle.sin())
-}
-
-fn vector(key: [f32; 3]) -> DVec3 {
-    DVec3::new(f64::from(key[0]), f64::from(key[1]), f64::from(key[2]))
-}
-
-fn quaternion(key: [f32; 4]) -> DQuat {
-    DQuat::from_xyzw(f64::from(key[0]), f64::from(key[1]), f64::from(key[2]), f64::from(key[3])).normalize()
-}
-
 /// The orthogonal part of a transform: a rotation, mirrored where the transform mirrors.
-fn orientation(linear: &DMat3) -> DMat3 {
+pub(super) fn orientation(linear: &DMat3) -> DMat3 {
     let x = linear.x_axis.normalize_or(DVec3::X);
     let y = (linear.y_axis - x * x.dot(linear.y_axis)).normalize_or(x.any_orthonormal_vector());
     let z = x.cross(y);

@@ -7,8 +7,8 @@
 use super::MeshPart;
 use super::segments::segments;
 use super::sole::{FootInput, FootVertex, foot_shape};
-use crate::model::{Body, BodyJoint, Role, Side};
-use glam::DVec3;
+use crate::model::{Body, BodyJoint, FootShape, Role, Side};
+use glam::{DQuat, DVec2, DVec3};
 use std::collections::BTreeMap;
 
 /// Body mass over height squared, kg/m², where nothing says otherwise.
@@ -56,10 +56,7 @@ pub fn derive(input: &BodyInput) -> DerivedBody {
         extrapolate_arm(side, height, &skin, &mut places);
     }
     for role in [Role::Hips, Role::Spine, Role::Head] {
-        if !places.contains_key(&role) {
-            let place = DVec3::new(0.0, template(role).y * height, 0.0);
-            places.insert(role, place);
-        }
+        places.entry(role).or_insert(DVec3::new(0.0, template(role).y * height, 0.0));
     }
     let made: Vec<Role> = places.keys().copied().filter(|role| !input.bones.contains_key(role)).collect();
     for role in &made {
@@ -88,7 +85,7 @@ pub fn derive(input: &BodyInput) -> DerivedBody {
         joint_nodes.push(input.bones.get(&role).map(|bone| bone.0));
     }
 
-    let feet = Side::BOTH.map(|side| {
+    let mut feet = Side::BOTH.map(|side| {
         let [_, _, foot, toes] = leg_roles(side);
         let index = |role: Role| joints.iter().position(|joint| joint.role == role);
         let ankle = index(foot).unwrap_or(0);
@@ -104,6 +101,9 @@ pub fn derive(input: &BodyInput) -> DerivedBody {
         shape
     });
 
+    if let Some(right) = twin(&feet, &joints, height) {
+        feet[1] = right;
+    }
     let mass =
         input.mass.filter(|mass| mass.is_finite() && *mass > 0.0).unwrap_or(MASS_PER_HEIGHT_SQUARED * height * height);
     let segments = segments(&joints, &feet, height, mass);
@@ -117,6 +117,32 @@ pub fn derive(input: &BodyInput) -> DerivedBody {
         / 2.0;
     let body = Body { joints, segments, feet, mass, height, leg_length };
     DerivedBody { body, joint_nodes, warnings, confidence_factor }
+}
+
+/// The right foot as the exact mirror image of the left, where they are so but for the noise of a mesh.
+fn twin(feet: &[FootShape; 2], joints: &[BodyJoint], height: f64) -> Option<FootShape> {
+    let [left, right] = feet;
+    let flip = |point: DVec3| DVec3::new(-point.x, point.y, point.z);
+    let turn = |level: DQuat| DQuat::from_xyzw(level.x, -level.y, -level.z, level.w);
+    let within = 0.001 * height; // 1.7 mm for 1.7 m
+    let ankles = flip(joints[left.ankle].rest).distance(joints[right.ankle].rest);
+    let sizes = |foot: &FootShape| [foot.ankle_height, foot.heel, foot.ball, foot.tip, foot.half_width];
+    let alike = ankles < within
+        && left.toe.is_some() == right.toe.is_some()
+        && sizes(left).iter().zip(sizes(right)).all(|(one, other)| (one - other).abs() < within)
+        && left.forward.distance(DVec2::new(-right.forward.x, right.forward.y)) < 0.01
+        && turn(left.level).angle_between(right.level) < 0.01
+        && turn(left.toe_level).angle_between(right.toe_level) < 0.01;
+    alike.then(|| FootShape {
+        ankle: right.ankle,
+        toe: right.toe,
+        level: turn(left.level),
+        toe_level: turn(left.toe_level),
+        forward: DVec2::new(-left.forward.x, left.forward.y),
+        rear_sole: left.rear_sole.iter().copied().map(flip).collect(),
+        front_sole: left.front_sole.iter().copied().map(flip).collect(),
+        ..left.clone()
+    })
 }
 
 /// The mass that a document states for its character: `scenes[scene].extras.surefoot.mass_kg`, kg. The built-in rig does.
@@ -208,11 +234,11 @@ fn extrapolate_arm(side: Side, height: f64, skin: &Skin, places: &mut BTreeMap<R
 fn height(input: &BodyInput, skin: &Skin) -> f64 {
     let place = |role: Role| input.bones.get(&role).map(|bone| bone.1);
     let head = place(Role::Head);
-    let mut top: Vec<DVec3> = skin.head(true);
-    if top.len() < 4 {
-        top = skin.head(false);
-    }
-    if let Some(crown) = crown(&top).filter(|crown| *crown > head.map_or(0.0, |head| head.y)) {
+    // Hair and hats hang on nodes of their own under the head; but so may most of the skull, on a leaf joint.
+    let joint = head.map_or(0.0, |head| head.y);
+    let (itself, whole) = (crown(&skin.head(true)), crown(&skin.head(false)));
+    let skull = itself.filter(|top| whole.is_none_or(|whole| *top - joint > 0.55 * (whole - joint))).or(whole);
+    if let Some(crown) = skull.filter(|crown| *crown > head.map_or(0.0, |head| head.y)) {
         return crown.max(1e-3);
     }
     let highest = input.bones.values().map(|bone| bone.1.y).fold(0.0, f64::max);
@@ -333,7 +359,7 @@ impl SkinVertex {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{DMat3, DVec2};
+    use glam::DMat3;
 
     /// Joints of the template, both sides, for 1.7 m; node indices are their order.
     fn bones(roles: &[Role]) -> BTreeMap<Role, (usize, DVec3)> {

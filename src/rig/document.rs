@@ -1,7 +1,7 @@
 //! A glTF file as it stands: container, JSON, buffers. Everything in it is checked before it is believed.
 //!
 //! glTF 2.0 sections 3.6 (buffers), 4 (GLB). Reads .glb, .gltf and .vrm bytes; files beside it come through a function,
-//! so nothing here touches the disk. Accessors are read in `accessor`; images are decoded in `images`.
+//! so `parse` touches no disk; `read_file` is the folder's one way to it. Accessors are read in `accessor`; images are decoded in `images`.
 //! Leaves out meshopt and Draco compression: such a file is refused by the extension's name.
 
 use super::{Document, Fault, RigError};
@@ -13,6 +13,8 @@ pub type Resolve<'a> = dyn Fn(&str) -> std::io::Result<Vec<u8>> + 'a;
 
 /// Values of the JSON that are read at most: some 0.5 GiB of memory.
 const MOST_VALUES: usize = 4_000_000;
+/// Bytes of a file that are read at most.
+const MOST_BYTES: u64 = 1 << 30;
 /// Nodes, meshes, accessors and so on of a document.
 const MOST_ENTRIES: usize = 200_000;
 /// Extensions that change how geometry is decoded, with the way out.
@@ -100,6 +102,18 @@ impl Document {
         self.buffers = buffers;
         Ok(())
     }
+}
+
+/// A plain file of bounded size: no device, no pipe.
+pub fn read_file(path: &std::path::Path) -> std::io::Result<Vec<u8>> {
+    let about = std::fs::metadata(path)?;
+    if !about.is_file() {
+        return Err(std::io::Error::other("is not a file"));
+    }
+    if about.len() > MOST_BYTES {
+        return Err(std::io::Error::other("is over 1 GiB: too large for a rig"));
+    }
+    std::fs::read(path)
 }
 
 /// The bytes of a uri: a `data:` one, or a relative path for `resolve`.

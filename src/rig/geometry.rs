@@ -288,6 +288,9 @@ impl<'a> Tree<'a> {
                     let mut cost = (upper.max(1e-9) / lower.max(1e-9)).ln().abs();
                     cost += (hand.max(elbow + 1) - first - 2) as f64 * SKIPPED + (count - 1 - hand) as f64 * TAIL;
                     cost += if hand == elbow { 0.4 } else { 0.0 };
+                    // More behind the hand than fingers: the hand was taken too early.
+                    let behind = self.length(&path[hand..count]);
+                    cost += if hand > elbow && behind > 0.6 * (upper + lower) { 1.0 } else { 0.0 };
                     let middle = lateral(path[0]).abs() / (upper + lower).max(1e-9);
                     cost += match first {
                         0 if middle < 0.1 => 1.0,

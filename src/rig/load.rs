@@ -1,31 +1,28 @@
 //! From a file to a [`Rig`]: the order in which the parts of this folder are asked.
 //!
-//! `load` is the only function of the folder that touches the disk: the rig file, what it points to beside itself, and the
-//! override file `hero.bones.toml`.
+//! `load` reads the rig file, what it points to beside itself, and the override file `hero.bones.toml`; `load_bytes`
+//! reads nothing but what it is given.
 
 use super::body::{BodyInput, derive, stated_mass};
-use super::document::Resolve;
+use super::document::{Resolve, read_file};
 use super::nodes::globals;
 use super::{Document, Mapping, Rig, RigError, bind, images, mapping, mesh, nodes, overrides, space};
 use crate::model::Role;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Bytes of a file that are read at most.
-const MOST_BYTES: u64 = 1 << 30;
-
 /// Loads a rig from disk.
 pub fn load(path: &Path) -> Result<Rig, RigError> {
     let file = path.display().to_string();
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-    let bytes = read(path).map_err(|source| RigError::Io { file: file.clone(), source })?;
+    let bytes = read_file(path).map_err(|source| RigError::Io { file: file.clone(), source })?;
     let beside = overrides::file_name(&file);
-    let text = match std::fs::read_to_string(&beside) {
-        Ok(text) => Some(text),
+    let text = match read_file(Path::new(&beside)) {
+        Ok(bytes) => Some(String::from_utf8_lossy(&bytes).into_owned()),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => None,
         Err(source) => return Err(RigError::Io { file: beside, source }),
     };
-    load_bytes(&file, &bytes, &|relative| read(&folder.join(relative)), text.as_deref())
+    load_bytes(&file, &bytes, &|relative| read_file(&folder.join(relative)), text.as_deref())
 }
 
 /// Loads a rig from memory. `name` stands for the file in messages; `resolve` reads what the document points to;
@@ -83,16 +80,4 @@ pub fn load_bytes(name: &str, bytes: &[u8], resolve: &Resolve, overrides: Option
         mapping,
         mesh: parts,
     })
-}
-
-/// A plain file of bounded size: no device, no pipe.
-fn read(path: &Path) -> std::io::Result<Vec<u8>> {
-    let about = std::fs::metadata(path)?;
-    if !about.is_file() {
-        return Err(std::io::Error::other("is not a file"));
-    }
-    if about.len() > MOST_BYTES {
-        return Err(std::io::Error::other("is over 1 GiB: too large for a rig"));
-    }
-    std::fs::read(path)
 }

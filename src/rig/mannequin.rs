@@ -60,6 +60,9 @@ pub fn mannequin(options: &MannequinOptions) -> Vec<u8> {
     mannequin_document::glb(&fitted, &surface, mass)
 }
 
+/// Ranges of motion: its name, from, to, degrees.
+type Limits = &'static [(&'static str, f64, f64)];
+
 /// A joint of the skeleton.
 #[derive(Clone, Debug)]
 pub(super) struct Bone {
@@ -69,8 +72,8 @@ pub(super) struct Bone {
     pub parent: Option<usize>,
     /// m, scenario space.
     pub place: DVec3,
-    /// Degrees: (axis of motion, from, to), as `notes` of the range of motion list them.
-    pub limits: &'static [(&'static str, f64, f64)],
+    /// Degrees from the neutral stand (arms down, legs straight): (motion, from, to), usual ranges of motion of an adult.
+    pub limits: Limits,
 }
 
 /// Index of a joint by its role's name.
@@ -85,25 +88,23 @@ pub(super) fn arm_direction() -> DVec3 {
 }
 
 /// Where the left arm begins, m.
-pub(super) const SHOULDER: DVec3 = DVec3::new(0.178, 1.375, -0.012);
+pub(super) const SHOULDER: DVec3 = DVec3::new(0.170, 1.364, -0.013);
 
 /// Root, trunk, and both sides.
 fn skeleton() -> Vec<Bone> {
     use Role::*;
-    const WAIST: &[(&str, f64, f64)] = &[("flexion", -25.0, 60.0), ("side", -30.0, 30.0), ("twist", -35.0, 35.0)];
-    const NECK: &[(&str, f64, f64)] = &[("flexion", -60.0, 60.0), ("side", -45.0, 45.0), ("twist", -75.0, 75.0)];
-    const SHOULDER_RANGE: &[(&str, f64, f64)] =
-        &[("flexion", -50.0, 170.0), ("abduction", -40.0, 160.0), ("rotation", -80.0, 80.0)];
-    const ELBOW: &[(&str, f64, f64)] = &[("flexion", 0.0, 145.0)];
-    const WRIST: &[(&str, f64, f64)] = &[("flexion", -70.0, 75.0), ("deviation", -20.0, 35.0)];
-    const HIP_RANGE: &[(&str, f64, f64)] =
-        &[("flexion", -30.0, 125.0), ("abduction", -30.0, 45.0), ("rotation", -45.0, 45.0)];
-    const KNEE: &[(&str, f64, f64)] = &[("flexion", 0.0, 150.0)];
-    const ANKLE_RANGE: &[(&str, f64, f64)] = &[("dorsiflexion", -50.0, 30.0), ("inversion", -20.0, 30.0)];
-    const TOES: &[(&str, f64, f64)] = &[("extension", -30.0, 60.0)];
+    const WAIST: Limits = &[("flexion", -25.0, 60.0), ("side", -30.0, 30.0), ("twist", -35.0, 35.0)];
+    const NECK: Limits = &[("flexion", -60.0, 60.0), ("side", -45.0, 45.0), ("twist", -75.0, 75.0)];
+    const SHOULDER_RANGE: Limits = &[("flexion", -50.0, 170.0), ("abduction", -40.0, 160.0), ("rotation", -80.0, 80.0)];
+    const ELBOW: Limits = &[("flexion", 0.0, 145.0)];
+    const WRIST: Limits = &[("flexion", -70.0, 75.0), ("deviation", -20.0, 35.0)];
+    const HIP_RANGE: Limits = &[("flexion", -30.0, 125.0), ("abduction", -30.0, 45.0), ("rotation", -45.0, 45.0)];
+    const KNEE: Limits = &[("flexion", 0.0, 150.0)];
+    const ANKLE_RANGE: Limits = &[("dorsiflexion", -50.0, 30.0), ("inversion", -20.0, 30.0)];
+    const TOES: Limits = &[("extension", -30.0, 60.0)];
 
     let mut bones: Vec<Bone> = vec![Bone { name: "root", parent: None, place: DVec3::ZERO, limits: &[] }];
-    let put = |bones: &mut Vec<Bone>, role: Role, place: DVec3, limits: &'static [(&'static str, f64, f64)]| {
+    let put = |bones: &mut Vec<Bone>, role: Role, place: DVec3, limits: Limits| {
         let parent = role.parent().map_or(0, |parent| bone(bones, parent));
         bones.push(Bone { name: role.name(), parent: Some(parent), place, limits });
     };
@@ -122,7 +123,7 @@ fn skeleton() -> Vec<Bone> {
         let out = DVec3::new(-down.y, down.x, 0.0);
         SHOULDER + down * along + DVec3::Z * ahead - out * inwards
     };
-    let left: [(Role, DVec3, &'static [(&'static str, f64, f64)]); 15] = [
+    let left: [(Role, DVec3, Limits); 15] = [
         (LeftShoulder, DVec3::new(0.03, 1.385, -0.008), &[]),
         (LeftUpperArm, SHOULDER, SHOULDER_RANGE),
         (LeftLowerArm, on_arm(0.285, -0.002, 0.0), ELBOW),

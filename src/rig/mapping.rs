@@ -20,6 +20,8 @@ pub struct Found {
     pub confidence: f64,
     /// Role to node.
     pub bones: BTreeMap<Role, usize>,
+    /// Required bones that the convention has none for.
+    pub without: Vec<Role>,
     /// Left and right come from the file, not from a guess.
     pub sides_known: bool,
     /// Sentences.
@@ -48,40 +50,37 @@ pub fn find(
             method: declared.method.into(),
             confidence: 1.0,
             bones: declared.bones,
+            without: Vec::new(),
             sides_known: true,
             warnings: Vec::new(),
         });
     }
     let rank = rank(document, nodes, skins);
     if let Some(found) = names::match_tables(nodes, &rank, &given) {
-        let without: Vec<String> = found
+        let notes: Vec<String> = found
             .without
             .iter()
             .map(|role| format!("{} rigs have no {} bone: its place is assumed", found.table, role.name()))
             .collect();
         answers.push(Found {
             method: format!("names: {}", found.table),
-            confidence: if without.is_empty() { 0.97 } else { 0.75 },
+            confidence: if notes.is_empty() { 0.97 } else { 0.75 },
             bones: found.bones,
+            without: found.without,
             sides_known: true,
-            warnings: without,
+            warnings: notes,
         });
     }
     let mut refusal: Option<String> = None;
     match geometry::guess(document, nodes, skins, &positions) {
-        Ok(bones) => answers.push(Found {
-            method: "geometry".into(),
-            confidence: 0.7,
-            bones,
-            sides_known: false,
-            warnings: Vec::new(),
-        }),
+        Ok(bones) => answers.push(by_geometry(bones, nodes)),
         Err(why) => refusal = why.filter(|_| answers.is_empty()),
     }
     answers.push(Found {
         method: "override".into(),
         confidence: 1.0,
         bones: BTreeMap::new(),
+        without: Vec::new(),
         sides_known: true,
         warnings: Vec::new(),
     });
@@ -129,6 +128,27 @@ pub fn find(
     }
 }
 
+/// What the geometry found; its guess of the sides gives way to names that tell them.
+fn by_geometry(bones: BTreeMap<Role, usize>, nodes: &[RigNode]) -> Found {
+    let (mut right, mut wrong) = (0, 0);
+    for (role, node) in bones.iter().filter(|(role, _)| role.mirrored() != **role) {
+        let told = names::side_of(nodes[*node].name.as_deref().unwrap_or(""));
+        let guessed = if role.name().starts_with("left") { 1 } else { -1 };
+        right += usize::from(told == guessed);
+        wrong += usize::from(told == -guessed);
+    }
+    let sides_known = right.max(wrong) >= 6 && right.min(wrong) == 0;
+    let swap = sides_known && wrong > 0;
+    Found {
+        method: if sides_known { "geometry, sides by name".into() } else { "geometry".into() },
+        confidence: if sides_known { 0.8 } else { 0.7 },
+        bones: bones.into_iter().map(|(role, node)| (if swap { role.mirrored() } else { role }, node)).collect(),
+        without: Vec::new(),
+        sides_known,
+        warnings: Vec::new(),
+    }
+}
+
 /// Puts a person's word over the answer.
 fn speak(answer: &mut Found, spoken: &BTreeMap<Role, Option<usize>>) {
     for (role, node) in spoken {
@@ -143,11 +163,10 @@ fn speak(answer: &mut Found, spoken: &BTreeMap<Role, Option<usize>>) {
     }
 }
 
-/// Required bones that the answer lacks. A convention without a head bone says so in its warnings.
+/// Required bones that the answer lacks, but for those that its convention never has.
 fn missing(answer: &Found) -> Vec<Role> {
-    let headless = answer.warnings.iter().any(|warning| warning.contains("no head bone"));
-    let lacks = |role: &&Role| !answer.bones.contains_key(role) && !(headless && **role == Role::Head);
-    Role::REQUIRED.iter().filter(lacks).copied().collect()
+    let had = |role: &Role| answer.bones.contains_key(role) || answer.without.contains(role);
+    Role::REQUIRED.into_iter().filter(|role| !had(role)).collect()
 }
 
 /// A limb whose bones do not hang on one another.

@@ -7,6 +7,7 @@ pub mod accessor;
 pub mod animate;
 pub mod bind;
 pub mod body;
+pub mod clips;
 pub mod document;
 pub mod error;
 pub mod geometry;
@@ -22,8 +23,10 @@ pub mod mesh;
 pub mod names;
 pub mod nodes;
 pub mod overrides;
+mod sampler;
 mod segments;
 mod sole;
+mod sole_plane;
 pub mod space;
 pub mod vrm;
 

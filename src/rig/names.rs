@@ -107,6 +107,25 @@ pub fn canonical(name: &str) -> String {
     name.chars().filter(|letter| letter.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
+/// The side that a name tells: `+1` left, `-1` right, from `L`, `left`, `r_`, `.R` as words of their own.
+pub fn side_of(name: &str) -> i32 {
+    let mut words: Vec<String> = vec![String::new()];
+    let mut lower = false;
+    for letter in name.chars() {
+        if !letter.is_alphabetic() || (letter.is_uppercase() && lower) {
+            words.push(String::new());
+        }
+        lower = letter.is_lowercase();
+        if letter.is_alphabetic()
+            && let Some(word) = words.last_mut()
+        {
+            word.extend(letter.to_lowercase());
+        }
+    }
+    let counts = |side: [&str; 2]| words.iter().filter(|word| side.contains(&word.as_str())).count() as i32;
+    (counts(["l", "left"]) - counts(["r", "right"])).signum()
+}
+
 fn try_table(
     table: &Table,
     prefix: &str,
@@ -227,6 +246,22 @@ mod tests {
                 assert!(named, "{}: {} has no names", table.name, role.name());
             }
             assert!(table.without.iter().all(|name| Role::from_name(name).is_some()), "{}: without", table.name);
+        }
+    }
+
+    #[test]
+    fn sides_are_read_from_words_and_not_from_letters() {
+        for (name, side) in [
+            ("thigh.l", 1),
+            ("LeftArm", 1),
+            ("arm_upper.R", -1),
+            ("Bip01 R Foot", -1),
+            ("lThigh", 1),
+            ("rollBone", 0),
+            ("Leftover", 0),
+            ("spine", 0),
+        ] {
+            assert_eq!(side_of(name), side, "{name}");
         }
     }
 

@@ -4,6 +4,7 @@
 //! first laid down: the plane on which it would rest is the face of its lower hull under the middle of the sole. What
 //! it leaves out: soft soles, arches, and heels so high that the sole is no plane.
 
+use super::sole_plane::{resting_normal, thin};
 use crate::model::{FootShape, Side};
 use glam::{DQuat, DVec2, DVec3};
 
@@ -11,13 +12,12 @@ use glam::{DQuat, DVec2, DVec3};
 const LEVEL_WITHIN: f64 = 3.0 * std::f64::consts::PI / 180.0;
 /// The same for toes, whose soles curve up in front (toe spring).
 const TOE_LEVEL_WITHIN: f64 = 12.0 * std::f64::consts::PI / 180.0;
-/// No foot rests on a plane steeper than this, tangent of the angle from the bind pose.
-const STEEPEST: f64 = 1.8;
 /// Sole vertices lie within this share of the height over the plane (15 mm for 1.7 m).
 const BAND: f64 = 0.0088;
-/// Points kept for each of the two parts of a sole.
-const MOST_POINTS: usize = 20;
-
+/// Sine of the roll over which a mesh is no foot (25 degrees).
+const MOST_ROLL: f64 = 0.4226;
+/// Vertices this close to the lowest, share of the height, are on the ground with it (4 mm for 1.7 m).
+const FLAT_BAND: f64 = 0.0025;
 /// What is known of a foot.
 pub(super) struct FootInput<'a> {
     /// Left or right.
@@ -48,12 +48,19 @@ pub(super) fn foot_shape(input: &FootInput) -> (FootShape, Vec<String>) {
     if input.vertices.len() < 4 {
         return (from_joints(input), Vec::new());
     }
-    from_mesh(input).unwrap_or_else(|| {
-        (
-            from_joints(input),
-            vec![format!("the {} foot's mesh has no extent; its sole is made from the joints", name(input.side))],
-        )
+    from_mesh(input).filter(|(shape, _)| is_plausible(shape)).unwrap_or_else(|| {
+        let note = format!("the mesh around the {} foot makes no sole; it is made from the joints", name(input.side));
+        (from_joints(input), vec![note])
     })
+}
+
+/// A foot stands under its ankle, is not much wider than long, and was not lying on its side.
+fn is_plausible(shape: &FootShape) -> bool {
+    let normal = shape.level.inverse() * DVec3::Y;
+    let length = shape.tip - shape.heel;
+    let rolled = aside(normal, shape.forward).abs() > MOST_ROLL;
+    let under = shape.heel < 0.25 * length && shape.tip > 0.1 * length && shape.ankle_height > 0.0;
+    !rolled && under && 2.0 * shape.half_width < 1.5 * length
 }
 
 fn name(side: Side) -> &'static str {
@@ -121,7 +128,7 @@ fn from_mesh(input: &FootInput) -> Option<(FootShape, Vec<String>)> {
         level = DQuat::from_rotation_arc(normal, DVec3::Y) * level;
         forward = heading(input, &all, level);
     }
-    if angle_of(level) < LEVEL_WITHIN {
+    if angle_of(level) < LEVEL_WITHIN || lies_flat(input, &rear, &all) {
         level = DQuat::IDENTITY;
         forward = heading(input, &all, level);
     } else {
@@ -171,7 +178,7 @@ fn from_mesh(input: &FootInput) -> Option<(FootShape, Vec<String>)> {
         return None;
     }
     let mut ball = ball_line(input, level, forward, heel, tip);
-    if ball < heel + 0.4 * (tip - heel) || ball > heel + 0.95 * (tip - heel) {
+    if ball < heel + 0.45 * (tip - heel) || ball > heel + 0.95 * (tip - heel) {
         toe = None;
         ball = heel + 0.72 * (tip - heel);
     }
@@ -222,6 +229,23 @@ fn from_mesh(input: &FootInput) -> Option<(FootShape, Vec<String>)> {
         front_sole,
     };
     Some((shape, warnings))
+}
+
+/// Whether a good part of the foot's length and width is already on the lowest level: blocks and spheres for feet have faces
+/// under their middle that are no soles.
+fn lies_flat(input: &FootInput, rear: &[DVec3], all: &[DVec3]) -> bool {
+    let forward = heading(input, all, DQuat::IDENTITY);
+    let size = |points: &[DVec3]| {
+        let one = |measure: fn(DVec3, DVec2) -> f64| {
+            extent(points.iter().map(|point| measure(*point, forward))).map_or(0.0, |(low, high)| high - low)
+        };
+        (one(along), one(aside))
+    };
+    let Some((lowest, _)) = extent(rear.iter().map(|point| point.y)) else { return true };
+    let touching: Vec<DVec3> =
+        rear.iter().copied().filter(|point| point.y < lowest + FLAT_BAND * input.height).collect();
+    let ((length, width), (whole_length, whole_width)) = (size(&touching), size(rear));
+    length > 0.5 * whole_length && width > 0.3 * whole_width
 }
 
 /// Along the foot, from the ankle.
@@ -291,63 +315,6 @@ fn heading(input: &FootInput, points: &[DVec3], level: DQuat) -> DVec2 {
     if spread < 0.25 || swing.abs() > 0.9 { DVec2::Y } else { DVec2::new(swing.sin(), swing.cos()) }
 }
 
-/// The unit normal of the lower hull's face under `at` (x, z): the plane on which these points would come to rest.
-///
-/// A linear programme in the plane y = a x + b z + c under all points, as high as can be at `at`: constraints are added
-/// where they are broken most, and the few that bind are tried in threes.
-fn resting_normal(points: &[DVec3], at: DVec2) -> DVec3 {
-    let Some((lowest, _)) = extent(points.iter().map(|point| point.y)) else { return DVec3::Y };
-    let reach = 10.0;
-    let wall = lowest + reach * STEEPEST;
-    let local = |point: DVec3| DVec3::new(point.x - at.x, point.y, point.z - at.y);
-    // Far points bound the slope.
-    let mut active: Vec<DVec3> = vec![
-        DVec3::new(reach, wall, 0.0),
-        DVec3::new(-reach, wall, 0.0),
-        DVec3::new(0.0, wall, reach),
-        DVec3::new(0.0, wall, -reach),
-    ];
-    if let Some(low) = points.iter().copied().reduce(|a, b| if b.y < a.y { b } else { a }) {
-        active.push(local(low));
-    }
-    let mut best = DVec3::new(0.0, 0.0, lowest);
-    for _ in 0..64 {
-        best = highest_plane(&active).unwrap_or(best);
-        let under = |point: DVec3| best.x * point.x + best.y * point.z + best.z - point.y;
-        active.retain(|point| under(*point) > -1e-9);
-        let worst = points.iter().map(|point| local(*point)).max_by(|a, b| under(*a).total_cmp(&under(*b)));
-        match worst {
-            Some(worst) if under(worst) > 1e-7 => active.push(worst),
-            _ => break,
-        }
-    }
-    DVec3::new(-best.x, 1.0, -best.y).normalize()
-}
-
-/// Among the planes (a, b, c) through three of the points and under all of them, the one highest at the origin.
-fn highest_plane(points: &[DVec3]) -> Option<DVec3> {
-    let mut best: Option<DVec3> = None;
-    for (first, p) in points.iter().enumerate() {
-        for (second, q) in points.iter().enumerate().skip(first + 1) {
-            for r in points.iter().skip(second + 1) {
-                let (u, v) = (*q - *p, *r - *p);
-                let area = u.z * v.x - u.x * v.z;
-                if area.abs() < 1e-12 {
-                    continue;
-                }
-                let a = (u.z * v.y - u.y * v.z) / area;
-                let b = (u.y * v.x - u.x * v.y) / area;
-                let c = p.y - a * p.x - b * p.z;
-                let plane_is_under = points.iter().all(|point| a * point.x + b * point.z + c <= point.y + 1e-9);
-                if plane_is_under && best.is_none_or(|best| c > best.z) {
-                    best = Some(DVec3::new(a, b, c));
-                }
-            }
-        }
-    }
-    best
-}
-
 /// The turn that lays the toes flat: only the pitch counts, and a toe spring is left alone.
 fn toe_turn(points: &[DVec3], level: DQuat, forward: DVec2) -> DQuat {
     let pitch_of = |turn: DQuat| -> f64 {
@@ -373,43 +340,6 @@ fn toe_turn(points: &[DVec3], level: DQuat, forward: DVec2) -> DQuat {
     }
     let axis = across(forward);
     DQuat::from_axis_angle(DVec3::new(axis.x, 0.0, axis.y), pitch) * level
-}
-
-/// At most [`MOST_POINTS`] of these: their hull seen from above, then its least corners dropped, then the lowest point.
-fn thin(points: &[usize], flat: &dyn Fn(usize) -> DVec2, laid: &[DVec3]) -> Vec<usize> {
-    let mut sorted: Vec<usize> = points.to_vec();
-    sorted.sort_by(|&a, &b| {
-        let (p, q) = (flat(a), flat(b));
-        p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)).then(laid[a].y.total_cmp(&laid[b].y)).then(a.cmp(&b))
-    });
-    sorted.dedup_by(|a, b| (flat(*a) - flat(*b)).length() < 1e-6);
-    let turn = |a: usize, b: usize, c: usize| (flat(b) - flat(a)).perp_dot(flat(c) - flat(a));
-    let mut hull: Vec<usize> = Vec::new();
-    for pass in 0..2 {
-        let start = hull.len();
-        let order: Vec<usize> = if pass == 0 { sorted.clone() } else { sorted.iter().rev().copied().collect() };
-        for index in order {
-            while hull.len() >= start + 2 && turn(hull[hull.len() - 2], hull[hull.len() - 1], index) <= 1e-12 {
-                hull.pop();
-            }
-            hull.push(index);
-        }
-        hull.pop();
-    }
-    if hull.is_empty() {
-        hull = sorted.first().copied().into_iter().collect();
-    }
-    while hull.len() > MOST_POINTS - 2 {
-        let count = hull.len();
-        let least = (0..count)
-            .map(|at| (at, turn(hull[(at + count - 1) % count], hull[at], hull[(at + 1) % count])))
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map_or(0, |entry| entry.0);
-        hull.remove(least);
-    }
-    let lowest = sorted.iter().copied().min_by(|&a, &b| laid[a].y.total_cmp(&laid[b].y));
-    hull.extend(lowest.filter(|low| !hull.contains(low)));
-    hull
 }
 
 #[cfg(test)]
@@ -547,5 +477,15 @@ mod tests {
             let (shape, _) = foot_shape(&input(&vertices, Some(TOE)));
             assert!(shape.tip > shape.heel, "{shape:?}");
         }
+    }
+
+    #[test]
+    fn a_mesh_that_is_no_foot_is_not_believed() {
+        let roll = DQuat::from_rotation_z(40f64.to_radians());
+        let vertices: Vec<FootVertex> =
+            box_foot().iter().map(|vertex| FootVertex { offset: roll * vertex.offset, ..*vertex }).collect();
+        let (shape, warnings) = foot_shape(&input(&vertices, Some(TOE)));
+        assert_eq!((shape.level, warnings.len()), (DQuat::IDENTITY, 1));
+        assert_near(shape.ball, 0.11, 1e-9, "ball, by the joints");
     }
 }

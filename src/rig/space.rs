@@ -11,8 +11,18 @@ use std::collections::BTreeMap;
 
 /// Heights, in file units, that are taken for metres as they stand.
 const METRES: std::ops::RangeInclusive<f64> = 0.4..=3.5;
-/// Units that files come in, metres each, likeliest first.
-const UNITS: [f64; 9] = [0.01, 0.1, 0.0254, 0.001, 0.3048, 0.056_444, 10.0, 100.0, 1000.0];
+/// Units that files come in, metres each, likeliest first, and how tall a body may then be, m.
+const UNITS: [(f64, std::ops::RangeInclusive<f64>); 9] = [
+    (0.01, 1.0..=2.6),
+    (0.1, 1.0..=2.6),
+    (0.001, 1.0..=2.6),
+    (0.0254, 1.3..=2.1),
+    (0.3048, 1.3..=2.1),
+    (0.056_444, 1.3..=2.1), // CMU's: inches over 0.45
+    (10.0, 1.0..=2.6),
+    (100.0, 1.0..=2.6),
+    (1000.0, 1.0..=2.6),
+];
 /// Between the spine and the legs, stretched: a human's is near 1, a quadruped's near 0.
 const UPRIGHT: f64 = 0.5;
 /// A foot's horizontal length relative to the leg from which its direction is believed.
@@ -162,8 +172,7 @@ fn units_of(height: f64) -> f64 {
     if METRES.contains(&height) || !(height > 0.0 && height.is_finite()) {
         return 1.0;
     }
-    let human = 1.2..=2.3;
-    let likely = UNITS.iter().copied().find(|unit| human.contains(&(height * unit)));
+    let likely = UNITS.iter().find(|(unit, human)| human.contains(&(height * unit))).map(|(unit, _)| *unit);
     likely.unwrap_or_else(|| {
         let power = (1.7 / height).log10().round().clamp(-12.0, 12.0);
         10_f64.powi(power as i32)

@@ -10,7 +10,7 @@ use super::stand::{TRUNK_LEAN, relaxed_arms};
 use crate::maths::curve::soft_limit;
 use crate::maths::spring::Spring;
 use crate::model::Side;
-use crate::stepper::{Physique, Plant};
+use crate::model::{Physique, Plant};
 use glam::{DQuat, DVec2, DVec3};
 use std::f64::consts::TAU;
 
@@ -21,6 +21,8 @@ pub struct Senses {
     pub acceleration: DVec3,
     /// N, of the disturbances.
     pub push: DVec3,
+    /// N m, their moment about the centre of mass.
+    pub push_moment: DVec3,
     /// m, extrapolated centre of mass (x, z).
     pub xi: DVec2,
     /// Left and right foot.
@@ -47,6 +49,9 @@ pub struct Personality {
 pub type UpperAngles = [f64; UPPER];
 /// Number of entries of [`UpperAngles`].
 pub const UPPER: usize = 16;
+
+/// m, how far over the centre of mass a push at the chest acts on the reference body.
+const PUSH_ARM: f64 = 0.27;
 
 /// Memory of the reaction.
 #[derive(Clone, Debug)]
@@ -94,10 +99,13 @@ impl Reaction {
         let push = local(senses.push) / self.physique.mass;
         let ground = acceleration - push;
 
+        // What the push would be at the chest, by its moment: high ones tip the trunk, at the hips it stays behind.
+        let moment = senses.push_moment;
+        let tipping = local(DVec3::new(-moment.z, 0.0, moment.x)) / (self.physique.mass * PUSH_ARM * length);
         // Trunk: the push carries the shoulders off, the ground's braking pulls the hips from under them.
         let gain = 1.0 + 0.08 * self.personality.trunk_gain;
         let trunk_omega = TAU * 1.35 / scale;
-        let drive = (push * 5.2 - ground * 1.2) * gain / length;
+        let drive = ((push * 0.2 + tipping * 0.8) * 5.2 - ground * 1.2) * gain / length;
         for axis in 0..2 {
             self.lean[axis].v += drive[axis] * dt;
             self.lean[axis].step(0.0, trunk_omega, 0.5, dt);

@@ -7,7 +7,7 @@ use super::anatomy::Anatomy;
 use super::solve::{ArmAngles, FootTarget, PoseTarget, Solved, Solver};
 use crate::maths::quat::yaw_of;
 use crate::model::{Body, Side};
-use crate::stepper::{Physique, Plant};
+use crate::model::{Physique, Plant};
 use glam::{DQuat, DVec3};
 
 /// Part of the leg's full length that a relaxed stand uses.

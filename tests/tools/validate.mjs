@@ -1,7 +1,7 @@
 // Runs the Khronos validator over every GLB of a folder:
 //   node validate.mjs FOLDER [SOURCES]
 // Prints one line a file and fails on an error, or on a kind of warning that the file's source did not have. A file's source
-// is named in FOLDER/sources.json ({ "baked.glb": "rig.glb" }, relative to SOURCES); one without is compared with nothing.
+// is named in FOLDER/baked.glb.source, relative to SOURCES; one without is compared with nothing.
 // gltf-validator is found beside this script, in NODE_PATH, or in SUREFOOT_NODE_MODULES.
 import { createRequire } from 'node:module';
 import { existsSync, readdirSync, readFileSync } from 'node:fs';
@@ -22,7 +22,6 @@ if (!folder) {
   console.error('usage: node validate.mjs FOLDER [SOURCES]');
   process.exit(2);
 }
-const sourceOf = existsSync(join(folder, 'sources.json')) ? JSON.parse(readFileSync(join(folder, 'sources.json'))) : {};
 
 async function findings(path) {
   const report = await validator.validateBytes(new Uint8Array(readFileSync(path)), {
@@ -44,7 +43,8 @@ let bad = 0;
 const files = readdirSync(folder).filter((name) => name.endsWith('.glb')).sort();
 for (const name of files) {
   const found = await findings(join(folder, name));
-  const source = sourceOf[name] && sources ? join(sources, sourceOf[name]) : null;
+  const note = join(folder, `${name}.source`);
+  const source = sources && existsSync(note) ? join(sources, readFileSync(note, 'utf8').trim()) : null;
   const before = source && existsSync(source) ? await findings(source) : new Map();
   const fresh = [...found].filter(([kind, entry]) => entry.count > (before.get(kind)?.count ?? 0));
   const count = (severity) => [...found].filter(([kind]) => kind.startsWith(severity)).reduce((sum, [, entry]) => sum + entry.count, 0);

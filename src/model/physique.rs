@@ -1,0 +1,41 @@
+//! What the controller and the pose solver share: the measures of a standing body, and a foot set on the ground.
+//!
+//! Scenario space, SI units.
+
+use glam::DVec3;
+
+/// What the controller needs to know of a body, measured in its natural stand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Physique {
+    /// kg.
+    pub mass: f64,
+    /// m, centre of mass over the ground in the natural stand.
+    pub com_height: f64,
+    /// m, hip to ankle along the straight leg.
+    pub leg_length: f64,
+    /// m, hip joint over the ground in the natural stand.
+    pub hip_height: f64,
+    /// m, ankle joint over the ground.
+    pub ankle_height: f64,
+    /// m, ankle to ankle in the natural stand.
+    pub stance_width: f64,
+    /// m, how far the centre of mass is ahead of the ankles' line in the natural stand.
+    pub com_forward: f64,
+    /// rad, outward turn of each foot in the natural stand.
+    pub toe_out: f64,
+    /// m, sole from the ankle along the foot: rearmost point (negative).
+    pub heel: f64,
+    /// m, foremost point.
+    pub tip: f64,
+    /// m, half of the sole's width.
+    pub half_width: f64,
+}
+
+/// A foot set on the ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plant {
+    /// m, the ground point under the ankle joint.
+    pub ankle: DVec3,
+    /// rad, where the foot points, about +Y from +Z towards +X (left).
+    pub yaw: f64,
+}

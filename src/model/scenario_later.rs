@@ -1,0 +1,80 @@
+//! What a scenario may say that this version of the program cannot bake yet: it is refused by name rather than passed over.
+
+use super::scenario::{Character, GroundKind, Scenario};
+use super::scenario_errors::Fault;
+
+impl Scenario {
+    /// What the scenario asks for that this version cannot bake: pushes and pulls on flat ground are all there is.
+    pub fn unavailable(&self) -> Vec<Fault> {
+        let mut faults = Vec::new();
+        let mut not_yet = |path: String, what: &str| {
+            faults.push(Fault {
+                path,
+                message: format!("{what} not available yet: this version bakes push and pull on flat ground"),
+                remedy: "take it out of the scenario for now".to_owned(),
+            });
+        };
+        let (character, ordinary) = (&self.character, Character::default());
+        let dials = [
+            ("leg_scale", character.leg_scale != ordinary.leg_scale),
+            ("crouch", character.crouch != ordinary.crouch),
+            ("recovery_time", character.style.recovery_time != ordinary.style.recovery_time),
+        ];
+        for (key, turned) in dials {
+            if turned {
+                not_yet(format!("character.{key}"), &format!("`{key}` is"));
+            }
+        }
+        if self.ground.kind != GroundKind::Flat {
+            not_yet("ground.kind".to_owned(), "this kind of ground is");
+        }
+        if self.base.is_some() {
+            not_yet("base".to_owned(), "a base clip is");
+        }
+        let lanes = [
+            ("walk", self.walk.len()),
+            ("turn", self.turn.len()),
+            ("crouch", self.crouch.len()),
+            ("stand", self.stand.len()),
+            ("throw", self.throw.len()),
+            ("carry", self.carry.len()),
+        ];
+        for (lane, count) in lanes {
+            for index in 0..count {
+                not_yet(format!("{lane}.{index}"), &format!("[[{lane}]] is"));
+            }
+        }
+        faults
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::scenario::Walk;
+
+    #[test]
+    fn the_demo_can_be_baked() {
+        assert_eq!(Scenario::demo().unavailable(), []);
+    }
+
+    #[test]
+    fn a_dial_that_does_nothing_yet_may_stand_where_it_is() {
+        let mut scenario = Scenario::demo();
+        scenario.character.leg_scale = 1.2;
+        scenario.character.style.recovery_time = 0.9;
+        scenario.character.style.arms = 0.9;
+        let paths: Vec<String> = scenario.unavailable().into_iter().map(|fault| fault.path).collect();
+        assert_eq!(paths, ["character.leg_scale", "character.recovery_time"]);
+    }
+
+    #[test]
+    fn what_cannot_be_baked_yet_is_named() {
+        let walk = Walk { start: 0.5, duration: None, speed: 1.0, heading: 0.0, facing: None };
+        let mut scenario = Scenario { walk: vec![walk], ..Scenario::demo() };
+        scenario.ground.kind = GroundKind::Slope { angle: 0.1 };
+        let faults = scenario.unavailable();
+        assert_eq!(faults.iter().map(|fault| fault.path.as_str()).collect::<Vec<_>>(), ["ground.kind", "walk.0"]);
+        assert!(faults[1].message.contains("not available yet: this version bakes push and pull on flat ground"));
+    }
+}
