@@ -5,7 +5,7 @@
 //! Pitch is positive with the heel up. Where a rig has no toes the foot turns about the tip of its sole. Flat ground.
 
 use super::contacts::FootContact;
-use crate::maths::curve::{bump, smooth3, smooth5};
+use crate::maths::curve::{bump, smooth3, smooth5, trapezoid};
 use crate::maths::quat::wrap_angle;
 use crate::model::{Body, Side, report::Part};
 use crate::stepper::{Physique, Plant, Step, StepKind};
@@ -18,6 +18,8 @@ const FASTEST_ROLL: f64 = 1.9;
 
 /// rad, dorsiflexion past which the heel comes up: a little inside of the ankle's range of 30 degrees.
 const DORSIFLEXION: f64 = 26.0 * std::f64::consts::PI / 180.0;
+/// s, the longest that a foot stays on its ball after landing: longer, and the weight behind it has nothing to stand on.
+const LONGEST_SETTLE: f64 = 0.16;
 /// rad, dorsiflexion with which a foot may land.
 const LANDING_FLEXION: f64 = 16.0 * std::f64::consts::PI / 180.0;
 /// rad.
@@ -52,8 +54,9 @@ struct Swing {
     heel_off: f64, // how long before `lift` the heel comes up
     settle: f64,   // how long after `land` the foot is flat
     peak_after: f64,
-    peak: f64,   // rad, largest pitch, a little after lift
-    strike: f64, // rad, pitch at landing: below 0 heel first, over 0 ball first
+    peak: f64,    // rad, largest pitch, a little after lift
+    strike: f64,  // rad, pitch at landing: below 0 heel first, over 0 ball first
+    onward: bool, // it goes forwards: the weight is on the ball before it leaves
     clearance: f64,
     aside: DVec3, // horizontal detour at mid-swing, m
     from: Plant,
@@ -106,7 +109,7 @@ impl FootCurves {
                     let time = index as f64 * dt;
                     let forwards = lean(index, swing.from.yaw);
                     let pitch = swing.pitch(time);
-                    if forwards - pitch > DORSIFLEXION {
+                    if swing.onward && forwards - pitch > DORSIFLEXION {
                         swing.heel_off = swing.heel_off.max((swing.lift - time + 0.05).min(swing.lift - before));
                         swing.peak = swing.peak.max((forwards - DORSIFLEXION + 0.10).min(MOST_PITCH));
                     }
@@ -123,7 +126,9 @@ impl FootCurves {
                         let excess = lean(index, swing.to.yaw) - swing.pitch(time) - DORSIFLEXION;
                         if excess > 0.0 {
                             swing.strike = (swing.strike + 0.5 * excess).min(MOST_PITCH);
-                            swing.settle = swing.settle.max((time - swing.land + 0.08).min(after - swing.land));
+                            swing.settle = swing
+                                .settle
+                                .max((time - swing.land + 0.04).min(after - swing.land).min(LONGEST_SETTLE));
                         }
                     }
                 }
@@ -223,7 +228,7 @@ impl FootPath {
 
     fn flight(&self, swing: &Swing, time: f64, pitch: f64) -> FootTarget {
         let u = (time - swing.lift) / (swing.land - swing.lift);
-        let go = smooth5(u);
+        let go = trapezoid(u);
         let yaw = swing.from.yaw + wrap_angle(swing.to.yaw - swing.from.yaw) * go;
         let first = self.flat_ankle(&swing.from) + turned(swing.from.yaw, 0.0) * self.pivot;
         let level = turned(swing.to.yaw, 0.0);
@@ -295,7 +300,11 @@ impl Swing {
         // Forwards the foot rolls off its toes; sideways and back it is picked up.
         let peak =
             if calm { 14.0 } else { 12.0 + 40.0 * forward.clamp(0.0, 0.8) + 8.0 * (distance - forward.abs()).max(0.0) };
-        let heel_off = ((if calm { 0.15 } else { 0.13 + 0.05 * forward.clamp(0.0, 1.0) }) * scale).min(0.4 * stand);
+        // A foot that is to go back has the weight on its heel: it is picked up flat.
+        let backward = (-forward / 0.15).clamp(0.0, 1.0);
+        let peak = peak + (9.0 - peak) * backward;
+        let heel_off = (1.0 - 0.5 * backward)
+            * ((if calm { 0.15 } else { 0.13 + 0.05 * forward.clamp(0.0, 1.0) }) * scale).min(0.4 * stand);
         let peak_after = (0.055 * scale).min(0.25 * duration);
         let settle = (0.065 * scale).min(0.35 * (after - step.land).max(0.0));
         let strike = if forward > 0.12 {
@@ -311,6 +320,7 @@ impl Swing {
             heel_off,
             settle,
             peak_after,
+            onward: forward > 0.1,
             peak: peak.to_radians().min(FASTEST_ROLL / scale * (heel_off + peak_after)),
             strike: strike.to_radians(),
             clearance: leg * (0.045 + 0.05 * distance.min(1.0)),
