@@ -176,7 +176,7 @@ impl Params {
             expect: 0.12 * tempo,
             foresee: 0.25 * weight,
             tipping: 0.2,
-            delay: 0.2 * tempo,
+            delay: 0.5 * tempo,
             cost_speed: 0.2 * tempo,
             cost_cross: 0.2,
             pull: 0.4 * physique.com_height,

@@ -51,7 +51,7 @@ pub type UpperAngles = [f64; UPPER];
 pub const UPPER: usize = 16;
 
 /// m, how far over the centre of mass a push at the chest acts on the reference body.
-const PUSH_ARM: f64 = 0.27;
+const PUSH_ARM: f64 = 0.19;
 
 /// Memory of the reaction.
 #[derive(Clone, Debug)]
