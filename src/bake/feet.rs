@@ -239,7 +239,7 @@ impl FootPath {
                 level * self.pivot
             };
         let mut pivot = first + (last - first) * go + swing.aside * bump(u);
-        pivot.y += swing.clearance * bump(u.powf(0.85));
+        pivot.y += swing.clearance * bump(u + 0.2 * u * (1.0 - u));
         // The toes straighten over most of the swing, and are flat again for a strike with the ball.
         let mut straight = smooth3(u / 0.85);
         if swing.strike >= 0.0 {
@@ -303,10 +303,9 @@ impl Swing {
         // A foot that is to go back has the weight on its heel: it is picked up flat.
         let backward = (-forward / 0.15).clamp(0.0, 1.0);
         let peak = peak + (9.0 - peak) * backward;
-        let heel_off = (1.0 - 0.5 * backward)
+        let heel_off = (1.0 - 0.35 * backward)
             * ((if calm { 0.15 } else { 0.13 + 0.05 * forward.clamp(0.0, 1.0) }) * scale).min(0.4 * stand);
         let peak_after = (0.055 * scale).min(0.25 * duration);
-        let settle = (0.065 * scale).min(0.35 * (after - step.land).max(0.0));
         let strike = if forward > 0.12 {
             -(30.0 * (forward - 0.05)).min(18.0)
         } else if forward < -0.10 {
@@ -314,6 +313,8 @@ impl Swing {
         } else {
             0.0
         };
+        // Flat again two or three frames after landing; from the ball a little later.
+        let settle = ((if strike > 0.0 { 0.12 } else { 0.085 }) * scale).min(0.35 * (after - step.land).max(0.0));
         Swing {
             lift: step.lift,
             land: step.land,

@@ -166,7 +166,7 @@ impl Params {
             outward: 0.045 * size,
             overshoot: 0.02 * size,
             across: -0.03 * size,
-            pass: (0.16 * size).max(gap + 0.04 * size),
+            pass: (0.20 * size).max(gap + 0.04 * size),
             slip_arc: 0.6,
             give: 1.0,
             leg_lag: 0.02 * tempo,

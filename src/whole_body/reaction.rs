@@ -142,7 +142,7 @@ impl Reaction {
     fn tick_pelvis(&mut self, senses: &Senses, scale: f64, dt: f64) {
         let between = senses.feet[0].ankle - senses.feet[1].ankle;
         let ahead = between.x * senses.facing.sin() + between.z * senses.facing.cos(); // left foot ahead of the right
-        let yaw = -soft_limit(0.9 * ahead / self.physique.leg_length, 16_f64.to_radians());
+        let yaw = -soft_limit(1.1 * ahead / self.physique.leg_length, 16_f64.to_radians());
         self.pelvis_yaw.step(yaw, TAU * 1.8 / scale, 0.9, dt);
         let list = match senses.planted {
             [false, true] => -1.0,
