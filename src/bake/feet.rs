@@ -14,7 +14,7 @@ use crate::whole_body::solve::{FootTarget, Solved};
 use glam::{DQuat, DVec3};
 
 /// rad/s, mean speed at which a heel comes up: faster, and the ankle snaps.
-const FASTEST_ROLL: f64 = 1.9;
+const FASTEST_ROLL: f64 = 1.6;
 
 /// rad, dorsiflexion past which the heel comes up: a little inside of the ankle's range of 30 degrees.
 const DORSIFLEXION: f64 = 26.0 * std::f64::consts::PI / 180.0;
@@ -35,6 +35,7 @@ pub struct FootCurves {
 #[derive(Clone, Debug)]
 struct FootPath {
     start: Plant,
+    still_until: f64, // s, no heel comes up before
     swings: Vec<Swing>,
     level: DQuat,              // turn from rest that levels the sole, pointing along rest_yaw
     toe_level: DQuat,          // the same for the toes
@@ -64,9 +65,17 @@ struct Swing {
 }
 
 impl FootCurves {
-    /// From the steps that were taken. `scale`: times relative to the reference body.
-    pub fn new(body: &Body, physique: &Physique, start: &[Plant; 2], steps: &[Step], scale: f64) -> FootCurves {
-        let feet = Side::BOTH.map(|side| FootPath::new(body, physique, side, start, steps, scale));
+    /// From the steps that were taken. `still_until`: no heel comes up before (s). `scale`: times relative to the
+    /// reference body.
+    pub fn new(
+        body: &Body,
+        physique: &Physique,
+        start: &[Plant; 2],
+        steps: &[Step],
+        still_until: f64,
+        scale: f64,
+    ) -> FootCurves {
+        let feet = Side::BOTH.map(|side| FootPath::new(body, physique, side, start, steps, still_until, scale));
         FootCurves { feet }
     }
 
@@ -98,7 +107,7 @@ impl FootCurves {
             };
             for number in 0..path.swings.len() {
                 let before =
-                    number.checked_sub(1).map_or(0.0, |last| path.swings[last].land + path.swings[last].settle);
+                    number.checked_sub(1).map_or(path.still_until, |last| path.swings[last].land + path.swings[last].settle);
                 let after = path.swings.get(number + 1).map_or(f64::INFINITY, |next| next.lift - next.heel_off);
                 let ticks = |from: f64, to: f64| {
                     let last = ((to / dt).floor().max(0.0) as usize).min(solved.len().saturating_sub(1));
@@ -148,7 +157,15 @@ impl FootCurves {
 }
 
 impl FootPath {
-    fn new(body: &Body, physique: &Physique, side: Side, start: &[Plant; 2], steps: &[Step], scale: f64) -> FootPath {
+    fn new(
+        body: &Body,
+        physique: &Physique,
+        side: Side,
+        start: &[Plant; 2],
+        steps: &[Step],
+        still_until: f64,
+        scale: f64,
+    ) -> FootPath {
         let shape = &body.feet[side as usize];
         let rest_yaw = shape.forward.x.atan2(shape.forward.y);
         let levelled = |offset: DVec3| DQuat::from_rotation_y(-rest_yaw) * (shape.level * offset);
@@ -167,6 +184,7 @@ impl FootPath {
         }));
         let mut path = FootPath {
             start: start[side as usize],
+            still_until,
             swings: Vec::new(),
             level: shape.level,
             toe_level: shape.toe_level,
@@ -179,10 +197,14 @@ impl FootPath {
         };
         let own: Vec<&Step> = steps.iter().filter(|step| step.side == side).collect();
         for (index, step) in own.iter().enumerate() {
-            let before = index.checked_sub(1).map_or(0.0, |previous| own[previous].land);
+            // s, how long before its lift the heel may come up: not before anybody pushed, nor just after it came down.
+            let room = match index.checked_sub(1) {
+                Some(previous) => 0.4 * (step.lift - own[previous].land),
+                None => step.lift - still_until,
+            };
             let after = own.get(index + 1).map_or(f64::INFINITY, |next| next.lift);
             let other = plant_at(start, steps, side.other(), 0.5 * (step.lift + step.land));
-            path.swings.push(Swing::new(step, before, after, &other, physique, scale));
+            path.swings.push(Swing::new(step, room.max(0.0), after, &other, physique, scale));
         }
         path
     }
@@ -287,8 +309,8 @@ impl FootPath {
 }
 
 impl Swing {
-    /// Chooses the roll of a step: `before` is the foot's last landing, `after` its next lift, `other` the stance foot.
-    fn new(step: &Step, before: f64, after: f64, other: &Plant, physique: &Physique, scale: f64) -> Swing {
+    /// Chooses the roll of a step: `room` bounds the time of the heel's rise, `after` is the foot's next lift, `other` the stance foot.
+    fn new(step: &Step, room: f64, after: f64, other: &Plant, physique: &Physique, scale: f64) -> Swing {
         let travel = step.to.ankle - step.from.ankle;
         let yaw = 0.5 * (step.from.yaw + step.to.yaw);
         let leg = physique.leg_length;
@@ -296,7 +318,6 @@ impl Swing {
         let distance = travel.length() / leg;
         let calm = step.kind == StepKind::Comfort;
         let duration = step.land - step.lift;
-        let stand = (step.lift - before).max(0.0);
         // Forwards the foot rolls off its toes; sideways and back it is picked up.
         let peak =
             if calm { 14.0 } else { 12.0 + 40.0 * forward.clamp(0.0, 0.8) + 8.0 * (distance - forward.abs()).max(0.0) };
@@ -304,7 +325,7 @@ impl Swing {
         let backward = (-forward / 0.15).clamp(0.0, 1.0);
         let peak = peak + (9.0 - peak) * backward;
         let heel_off = (1.0 - 0.35 * backward)
-            * ((if calm { 0.15 } else { 0.13 + 0.05 * forward.clamp(0.0, 1.0) }) * scale).min(0.4 * stand);
+            * ((if calm { 0.15 } else { 0.13 + 0.05 * forward.clamp(0.0, 1.0) }) * scale).min(room);
         let peak_after = (0.055 * scale).min(0.25 * duration);
         let strike = if forward > 0.12 {
             -(30.0 * (forward - 0.05)).min(18.0)

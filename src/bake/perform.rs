@@ -49,16 +49,17 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
     let scale = (physique.com_height / 0.96).sqrt();
     let count = ((scenario.duration / trace.dt).round() as usize + 1).min(trace.ticks.len());
     let ticks = &trace.ticks[..count];
+    let still_until = pushes.first().map_or(0.0, |push| push.start);
     let mut timeline = Timeline {
         body: body.clone(),
         anatomy,
         dt: trace.dt,
-        still_until: pushes.first().map_or(0.0, |push| push.start),
+        still_until,
         com: ticks.iter().map(|tick| DVec3::new(tick.com.x, physique.com_height, tick.com.z)).collect(),
         shift: vec![DVec3::ZERO; count],
         lowering: vec![0.0; count],
         upper: upper_body(ticks, trace.dt, &physique, seed, scenario.character.style.arms),
-        feet: feet::FootCurves::new(body, &physique, &trace.start, &trace.steps, scale),
+        feet: feet::FootCurves::new(body, &physique, &trace.start, &trace.steps, still_until, scale),
     };
     let mut held = contacts::held(&timeline.feet.contacts(timeline.duration()));
     let mut zmp_before_pass = Vec::new();
