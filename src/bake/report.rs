@@ -68,7 +68,7 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
             .enumerate()
             .map(|(index, contact)| told(input.rig, contact, slips.get(index).copied().unwrap_or(0.0)))
             .collect(),
-        events: events(performance, duration),
+        events: events(performance, findings.as_ref().and_then(|findings| findings.balance.rest_from), duration),
         disturbances: disturbances(input),
         assist: Assist::default(),
         plausibility,
@@ -110,7 +110,8 @@ fn told(rig: &Rig, contact: &FootContact, slip_mm: f64) -> Contact {
     }
 }
 
-fn events(performance: &Performance, duration: f64) -> Vec<Event> {
+/// `rest_from`: s, since when the character has been at rest at the end.
+fn events(performance: &Performance, rest_from: Option<f64>, duration: f64) -> Vec<Event> {
     let mut events = Vec::new();
     let mut event = |time: f64, name: &str, foot: Option<Side>| {
         if time <= duration {
@@ -127,6 +128,9 @@ fn events(performance: &Performance, duration: f64) -> Vec<Event> {
     }
     if let Some(lost) = performance.trace.lost {
         event(lost, "balance_lost", None);
+    }
+    if let (Some(time), false) = (rest_from, performance.trace.steps.is_empty()) {
+        event(time, "balance_regained", None);
     }
     events.sort_by(|a, b| a.time.total_cmp(&b.time));
     events
