@@ -5,7 +5,7 @@
 //! Pitch is positive with the heel up. Where a rig has no toes the foot turns about the tip of its sole. Flat ground.
 
 use super::contacts::FootContact;
-use crate::maths::curve::{bump, smooth3, smooth5};
+use crate::maths::curve::{bump, smooth3, smooth5, trapezoid};
 use crate::maths::quat::wrap_angle;
 use crate::model::{Body, Side, report::Part};
 use crate::stepper::{Physique, Plant, Step, StepKind};
@@ -14,16 +14,16 @@ use crate::whole_body::solve::{FootTarget, Solved};
 use glam::{DQuat, DVec3};
 
 /// rad/s, mean speed at which a heel comes up: faster, and the ankle snaps.
-const FASTEST_ROLL: f64 = 2.6;
+const FASTEST_ROLL: f64 = 1.9;
 
 /// rad, dorsiflexion past which the heel comes up: a little inside of the ankle's range of 30 degrees.
 const DORSIFLEXION: f64 = 26.0 * std::f64::consts::PI / 180.0;
-/// rad, tilt of the shank over the foot's side past which the foot goes onto its edge as it leaves.
-const INVERSION: f64 = 17.0 * std::f64::consts::PI / 180.0;
+/// s, the longest that a foot stays on its ball after landing: longer, and the weight behind it has nothing to stand on.
+const LONGEST_SETTLE: f64 = 0.16;
+/// rad, dorsiflexion with which a foot may land.
+const LANDING_FLEXION: f64 = 16.0 * std::f64::consts::PI / 180.0;
 /// rad.
 const MOST_PITCH: f64 = 45.0 * std::f64::consts::PI / 180.0;
-/// rad.
-const MOST_EDGE: f64 = 20.0 * std::f64::consts::PI / 180.0;
 
 /// Both feet over a whole run.
 #[derive(Clone, Debug)]
@@ -54,9 +54,9 @@ struct Swing {
     heel_off: f64, // how long before `lift` the heel comes up
     settle: f64,   // how long after `land` the foot is flat
     peak_after: f64,
-    peak: f64,   // rad, largest pitch, a little after lift
-    strike: f64, // rad, pitch at landing: below 0 heel first, over 0 ball first
-    edge: f64,   // rad, roll onto the inner or outer edge that goes with the peak
+    peak: f64,    // rad, largest pitch, a little after lift
+    strike: f64,  // rad, pitch at landing: below 0 heel first, over 0 ball first
+    onward: bool, // it goes forwards: the weight is on the ball before it leaves
     clearance: f64,
     aside: DVec3, // horizontal detour at mid-swing, m
     from: Plant,
@@ -84,17 +84,17 @@ impl FootCurves {
             .map_or(0.0, |swing| bump((time - swing.lift) / (swing.land - swing.lift)).sqrt())
     }
 
-    /// Lets heels come up (and stay up after a backward landing) where an ankle would bend past its range, and feet roll
-    /// onto their edge as they leave. `solved`: the poses of the present curves, `dt` s apart. Call it a few times over.
+    /// Lets heels come up (and stay up after a backward landing) where an ankle would bend past its range.
+    /// `solved`: the poses of the present curves, `dt` s apart. Call it a few times over.
     pub fn ease_ankles(&mut self, body: &Body, anatomy: &Anatomy, solved: &[Solved], dt: f64) {
         for side in Side::BOTH {
             let leg = &anatomy.legs[side as usize];
             let shank = body.joints[leg.lower].rest - body.joints[leg.foot].rest;
             let path = &mut self.feet[side as usize];
-            // rad, how far the shank leans over the foot: forwards and to the left.
+            // rad, how far the shank leans forwards over the foot.
             let lean = |index: usize, yaw: f64| {
                 let up = DQuat::from_rotation_y(-yaw) * (solved[index].pose.turns[leg.lower] * shank);
-                (up.z.atan2(up.y), up.x.atan2(up.y))
+                up.z.atan2(up.y)
             };
             for number in 0..path.swings.len() {
                 let before =
@@ -107,26 +107,28 @@ impl FootCurves {
                 let swing = &mut path.swings[number];
                 for index in ticks(before, swing.lift) {
                     let time = index as f64 * dt;
-                    let (forwards, sideways) = lean(index, swing.from.yaw);
-                    let (pitch, roll) = swing.attitude(time);
-                    if forwards - pitch > DORSIFLEXION {
+                    let forwards = lean(index, swing.from.yaw);
+                    let pitch = swing.pitch(time);
+                    if swing.onward && forwards - pitch > DORSIFLEXION {
                         swing.heel_off = swing.heel_off.max((swing.lift - time + 0.05).min(swing.lift - before));
                         swing.peak = swing.peak.max((forwards - DORSIFLEXION + 0.10).min(MOST_PITCH));
                     }
-                    let tilt = -sideways; // a roll about +Z tips the foot's upper side to -X
-                    if (tilt - roll).abs() > INVERSION && time > swing.lift - swing.heel_off {
-                        let wanted = tilt - INVERSION * tilt.signum() * 0.8;
-                        swing.edge = if tilt > 0.0 { swing.edge.max(wanted) } else { swing.edge.min(wanted) };
-                        swing.edge = swing.edge.clamp(-MOST_EDGE, MOST_EDGE);
-                    }
+                }
+                // The leg lands as its shank leans: reaching ahead heel first, under the body flat, behind it ball first.
+                let landing = *ticks(swing.land, swing.land).end();
+                let least = lean(landing, swing.to.yaw) - LANDING_FLEXION;
+                if swing.strike < least {
+                    swing.strike = if least.abs() < 2_f64.to_radians() { 0.0 } else { least.min(MOST_PITCH) };
                 }
                 if swing.strike >= 0.0 {
                     for index in ticks(swing.land, (swing.land + 0.6).min(after)) {
                         let time = index as f64 * dt;
-                        let excess = lean(index, swing.to.yaw).0 - swing.attitude(time).0 - DORSIFLEXION;
+                        let excess = lean(index, swing.to.yaw) - swing.pitch(time) - DORSIFLEXION;
                         if excess > 0.0 {
                             swing.strike = (swing.strike + 0.5 * excess).min(MOST_PITCH);
-                            swing.settle = swing.settle.max((time - swing.land + 0.08).min(after - swing.land));
+                            swing.settle = swing
+                                .settle
+                                .max((time - swing.land + 0.04).min(after - swing.land).min(LONGEST_SETTLE));
                         }
                     }
                 }
@@ -197,7 +199,7 @@ impl FootPath {
 
     fn at(&self, time: f64) -> FootTarget {
         let flat = |plant: &Plant| {
-            let turn = turned(plant.yaw, 0.0, 0.0);
+            let turn = turned(plant.yaw, 0.0);
             self.pose(self.flat_ankle(plant), plant.yaw, turn, turn)
         };
         let Some(swing) = self.swings.iter().rev().find(|swing| time > swing.lift - swing.heel_off) else {
@@ -206,17 +208,17 @@ impl FootPath {
         if time >= swing.land + swing.settle {
             return flat(&swing.to);
         }
-        let (pitch, roll) = swing.attitude(time);
+        let pitch = swing.pitch(time);
         let on = |plant: &Plant, held: DVec3, toes_flat: bool| {
-            let level = turned(plant.yaw, 0.0, 0.0);
-            let turn = turned(plant.yaw, pitch, roll);
+            let level = turned(plant.yaw, 0.0);
+            let turn = turned(plant.yaw, pitch);
             let ankle = self.flat_ankle(plant) + level * held - turn * held;
             self.pose(ankle, plant.yaw, turn, if toes_flat { level } else { turn })
         };
         if time <= swing.lift {
             on(&swing.from, self.pivot, true)
         } else if time < swing.land {
-            self.flight(swing, time, pitch, roll)
+            self.flight(swing, time, pitch)
         } else if swing.strike < 0.0 {
             on(&swing.to, self.heel, false)
         } else {
@@ -224,27 +226,28 @@ impl FootPath {
         }
     }
 
-    fn flight(&self, swing: &Swing, time: f64, pitch: f64, roll: f64) -> FootTarget {
+    fn flight(&self, swing: &Swing, time: f64, pitch: f64) -> FootTarget {
         let u = (time - swing.lift) / (swing.land - swing.lift);
-        let go = smooth5(u);
+        let go = trapezoid(u);
         let yaw = swing.from.yaw + wrap_angle(swing.to.yaw - swing.from.yaw) * go;
-        let first = self.flat_ankle(&swing.from) + turned(swing.from.yaw, 0.0, 0.0) * self.pivot;
-        let level = turned(swing.to.yaw, 0.0, 0.0);
+        let first = self.flat_ankle(&swing.from) + turned(swing.from.yaw, 0.0) * self.pivot;
+        let level = turned(swing.to.yaw, 0.0);
         let last = self.flat_ankle(&swing.to)
             + if swing.strike < 0.0 {
-                level * self.heel + turned(swing.to.yaw, swing.strike, 0.0) * (self.pivot - self.heel)
+                level * self.heel + turned(swing.to.yaw, swing.strike) * (self.pivot - self.heel)
             } else {
                 level * self.pivot
             };
         let mut pivot = first + (last - first) * go + swing.aside * bump(u);
-        pivot.y += swing.clearance * bump(u.powf(0.85));
+        pivot.y += swing.clearance * bump(u + 0.2 * u * (1.0 - u));
         // The toes straighten over most of the swing, and are flat again for a strike with the ball.
         let mut straight = smooth3(u / 0.85);
         if swing.strike >= 0.0 {
-            straight *= 1.0 - smooth3((u - 0.5) / 0.5);
+            // A foot that lands with its heel as high as it left hardly straightens them.
+            straight *= (1.0 - smooth3((u - 0.4) / 0.6)) * (1.0 - swing.strike / swing.peak.max(swing.strike + 1e-9));
         }
-        let turn = turned(yaw, pitch, roll);
-        let toe = if self.has_toe { turned(yaw, pitch * straight, roll * straight) } else { turn };
+        let turn = turned(yaw, pitch);
+        let toe = if self.has_toe { turned(yaw, pitch * straight) } else { turn };
         let ankle = pivot - turn * self.pivot;
         let mut target = self.pose(ankle, yaw, turn, toe);
         // No part of the sole goes under the ground on the way.
@@ -297,9 +300,12 @@ impl Swing {
         // Forwards the foot rolls off its toes; sideways and back it is picked up.
         let peak =
             if calm { 14.0 } else { 12.0 + 40.0 * forward.clamp(0.0, 0.8) + 8.0 * (distance - forward.abs()).max(0.0) };
-        let heel_off = ((if calm { 0.15 } else { 0.10 + 0.06 * forward.clamp(0.0, 1.0) }) * scale).min(0.4 * stand);
+        // A foot that is to go back has the weight on its heel: it is picked up flat.
+        let backward = (-forward / 0.15).clamp(0.0, 1.0);
+        let peak = peak + (9.0 - peak) * backward;
+        let heel_off = (1.0 - 0.35 * backward)
+            * ((if calm { 0.15 } else { 0.13 + 0.05 * forward.clamp(0.0, 1.0) }) * scale).min(0.4 * stand);
         let peak_after = (0.055 * scale).min(0.25 * duration);
-        let settle = (0.065 * scale).min(0.35 * (after - step.land).max(0.0));
         let strike = if forward > 0.12 {
             -(30.0 * (forward - 0.05)).min(18.0)
         } else if forward < -0.10 {
@@ -307,13 +313,15 @@ impl Swing {
         } else {
             0.0
         };
+        // Flat again two or three frames after landing; from the ball a little later.
+        let settle = ((if strike > 0.0 { 0.12 } else { 0.085 }) * scale).min(0.35 * (after - step.land).max(0.0));
         Swing {
             lift: step.lift,
             land: step.land,
             heel_off,
             settle,
             peak_after,
-            edge: 0.0,
+            onward: forward > 0.1,
             peak: peak.to_radians().min(FASTEST_ROLL / scale * (heel_off + peak_after)),
             strike: strike.to_radians(),
             clearance: leg * (0.045 + 0.05 * distance.min(1.0)),
@@ -323,26 +331,24 @@ impl Swing {
         }
     }
 
-    /// Pitch and roll at a time between heel off and flat.
-    fn attitude(&self, time: f64) -> (f64, f64) {
+    /// Pitch at a time between heel off and flat.
+    fn pitch(&self, time: f64) -> f64 {
         let (start, top) = (self.lift - self.heel_off, self.lift + self.peak_after);
         if time <= start {
-            (0.0, 0.0)
+            0.0
         } else if time <= top {
-            let up = smooth5((time - start) / (top - start));
-            (self.peak * up, self.edge * up)
+            self.peak * smooth5((time - start) / (top - start))
         } else if time <= self.land {
-            let over = smooth5((time - top) / (self.land - top));
-            (self.peak + (self.strike - self.peak) * over, self.edge * (1.0 - over))
+            self.peak + (self.strike - self.peak) * smooth5((time - top) / (self.land - top))
         } else {
-            (self.strike * (1.0 - smooth3((time - self.land) / self.settle.max(1e-9))), 0.0)
+            self.strike * (1.0 - smooth3((time - self.land) / self.settle.max(1e-9)))
         }
     }
 }
 
-/// A levelled foot that points along +Z, turned: heading, then rolled about its length, then pitched, rad.
-fn turned(yaw: f64, pitch: f64, roll: f64) -> DQuat {
-    DQuat::from_rotation_y(yaw) * DQuat::from_rotation_z(roll) * DQuat::from_rotation_x(pitch)
+/// A levelled foot that points along +Z, turned to a heading and pitched, rad.
+fn turned(yaw: f64, pitch: f64) -> DQuat {
+    DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch)
 }
 
 /// How far the path bends away from a stance foot that stands near it: at least 0.14 leg lengths of gap, m.
@@ -363,7 +369,7 @@ fn detour(step: &Step, other: &Plant, physique: &Physique) -> DVec3 {
     let gap = -rel.dot(across); // where the path lies from the stance foot, along `across`
     // A foot that passes ahead of the other (or behind it) must clear its length, not its width alone.
     let lengthwise = across.dot(DVec3::new(other.yaw.sin(), 0.0, other.yaw.cos())).abs();
-    let least = (0.15 * physique.leg_length).max(0.12 * physique.leg_length + 0.75 * physique.tip * lengthwise);
+    let least = (0.15 * physique.leg_length).max(0.14 * physique.leg_length + physique.tip * lengthwise);
     // Keep to the side of the stance foot where the swing foot belongs.
     let own = step.side.sign() * across.dot(DVec3::new(other.yaw.cos(), 0.0, -other.yaw.sin())).signum();
     let sign = if gap.abs() > 0.02 * physique.leg_length { gap.signum() } else { own };

@@ -138,9 +138,9 @@ impl FootShape {
     }
 }
 
-/// How much further back a vertex must lie for each unit that it is over the ground, to be the heel's point: the slope
-/// of a sole pitched by 18 degrees, a heel strike's.
-const HEEL_ROUNDING: f64 = 3.0;
+/// How much further back a vertex must lie for each unit that it is over the ground, to be the heel's point: a
+/// few millimetres of height would show as a foot that hovers through its heel strike.
+const HEEL_ROUNDING: f64 = 8.0;
 
 impl Body {
     /// Index of that role's joint.

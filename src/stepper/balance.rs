@@ -3,7 +3,7 @@
 
 use super::foothold::{ankles, middle, middle_after, over_foot};
 use super::support::{Support, Tread};
-use super::{Params, Passing, Physique, State, StepKind, ground, support};
+use super::{Params, Passing, Physique, State, StepKind, ground};
 use crate::maths::pendulum;
 use glam::DVec2;
 
@@ -19,11 +19,10 @@ pub fn pressure(params: &Params, physique: &Physique, state: &State) -> DVec2 {
             let fin = over_foot(params, state, swing.side, swing.passing, &swing.to);
             return braking(params, state, swing.passing, &sole, (xi, fin), left_over);
         }
-        let fin = middle(params, state.facing, [ground(stance.ankle), ground(swing.to.ankle)]);
+        let fin = middle(params, state.ahead, [ground(stance.ankle), ground(swing.to.ankle)]);
         return sole.nearest(pendulum::pivot_for(xi, fin, state.omega(), left_over));
     }
-    let feet = [&state.feet[0], &state.feet[1]];
-    let mut aim = middle(params, state.facing, ankles(state));
+    let mut aim = middle(params, state.ahead, ankles(state));
     if let Some(intent) = state.intent {
         let stance = &state.feet[intent.side.other() as usize];
         let sole = Support::one(params, physique, stance, Tread::Whole, params.margin);
@@ -36,15 +35,14 @@ pub fn pressure(params: &Params, physique: &Physique, state: &State) -> DVec2 {
         if intent.committed {
             return sole.nearest(pivot);
         }
-        let stand = ground(stance.ankle) + support::forward(state.facing) * params.com_forward;
+        let stand = ground(stance.ankle) + state.ahead * params.com_forward;
         aim = stand + (fin - stand) * (-state.omega() * time).exp();
     }
-    let area = Support::two(params, physique, feet, [Tread::Whole; 2], params.margin);
     let error = xi - aim;
     let far = (error.length() / params.inner).min(1.0);
     let awake = (state.alarm / params.delay).min(1.0);
     let far = if state.intent.is_some() { 1.0 } else { far };
-    area.nearest(xi + error * (params.gain * awake * awake * far * far))
+    state.inset.nearest(xi + error * (params.gain * awake * awake * far * far))
 }
 
 /// The pressure under the stance foot that slows the fall most; a foot that crosses is met half-way, forward or back,
@@ -60,7 +58,7 @@ pub fn braking(
     if passing == Passing::Own {
         return sole.nearest(xi);
     }
-    let ahead = support::forward(state.facing);
+    let ahead = state.ahead;
     let pivot = pendulum::pivot_for(xi, fin, state.omega(), time.max(0.1 * params.tempo));
     sole.nearest(xi + ahead * (pivot - xi).dot(ahead))
 }

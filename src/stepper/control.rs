@@ -3,7 +3,7 @@
 use super::foothold::{ankles, middle};
 use super::support::{Support, Tread};
 use super::{Inputs, Params, Physique, State, Step, StepKind, Swing, TickOutput};
-use super::{balance::pressure, decide, ground, legs, swing};
+use super::{balance::pressure, decide, ground, legs, support, swing};
 use crate::maths::pendulum::GRAVITY;
 use crate::model::Side;
 use glam::{DVec2, DVec3};
@@ -25,8 +25,8 @@ pub fn tick(params: &Params, physique: &Physique, state: &mut State, inputs: &In
     legs::integrate(params, physique, state, inputs, dt);
     state.tick += 1;
     state.time = state.tick as f64 * dt;
-    output.landed = advance(params, state, dt);
-    judge(params, physique, state, dt);
+    output.landed = advance(params, physique, state, dt);
+    judge(params, state, dt);
     output.lost = state.lost.is_some();
     output
 }
@@ -42,10 +42,13 @@ fn perceive(params: &Params, physique: &Physique, state: &mut State, inputs: &In
     }
     let turn = wrap(inputs.facing - state.facing);
     let most = 3.0 * dt / params.tempo;
-    state.facing += turn.clamp(-most, most);
+    if turn != 0.0 {
+        state.facing += turn.clamp(-most, most);
+        state.ahead = support::forward(state.facing);
+    }
     state.settled += dt;
     state.recovering += dt;
-    let aim = middle(params, state.facing, ankles(state));
+    let aim = middle(params, state.ahead, ankles(state));
     let shoved = force.length() > 0.08 * physique.mass * GRAVITY;
     state.touch += (force - state.touch) * (1.0 - (-dt / (0.5 * params.sense)).exp());
     state.pushed = if shoved { state.pushed + dt } else { 0.0 };
@@ -57,7 +60,7 @@ fn perceive(params: &Params, physique: &Physique, state: &mut State, inputs: &In
 }
 
 /// Moves the swinging foot; sets it down when its time is up.
-fn advance(params: &Params, state: &mut State, dt: f64) -> Option<Step> {
+fn advance(params: &Params, physique: &Physique, state: &mut State, dt: f64) -> Option<Step> {
     let swing = state.swing?;
     if state.time < swing.land - 0.5 * dt {
         state.feet[swing.side as usize] = swing::along(params, &swing, swing::phase(&swing, state.time));
@@ -65,6 +68,9 @@ fn advance(params: &Params, state: &mut State, dt: f64) -> Option<Step> {
     }
     state.feet[swing.side as usize] = swing.to;
     state.swing = None;
+    let feet = [&state.feet[0], &state.feet[1]];
+    state.outline = Support::two(params, physique, feet, [Tread::Whole; 2], 0.0);
+    state.inset = Support::two(params, physique, feet, [Tread::Whole; 2], params.margin);
     state.settled = 0.0;
     state.last = Some(swing.side);
     if swing.kind != StepKind::Comfort {
@@ -75,19 +81,17 @@ fn advance(params: &Params, state: &mut State, dt: f64) -> Option<Step> {
 }
 
 /// Keeps the clocks of rest and of failure.
-fn judge(params: &Params, physique: &Physique, state: &mut State, dt: f64) {
+fn judge(params: &Params, state: &mut State, dt: f64) {
     let com = ground(state.com);
-    let slow = state.velocity.length() < 0.05;
-    let area = Support::two(params, physique, [&state.feet[0], &state.feet[1]], [Tread::Whole; 2], 0.0);
-    let still = slow && state.swing.is_none() && area.outside(state.xi()) <= 0.0;
-    let slow = state.velocity.length() < 0.05 * params.size / params.tempo;
-    let calm = slow && state.swing.is_none() && area.outside(state.xi()) <= 0.0;
-    state.calm = if calm { state.calm + dt } else { 0.0 };
-    state.rest = if still { state.rest + dt } else { 0.0 };
+    let speed = state.velocity.length();
+    let (slow, slow_for_its_size) = (speed < 0.05, speed < 0.05 * params.size / params.tempo);
+    let held = (slow || slow_for_its_size) && state.swing.is_none() && { state.outline.outside(state.xi()) <= 0.0 };
+    state.rest = if held && slow { state.rest + dt } else { 0.0 };
+    state.calm = if held && slow_for_its_size { state.calm + dt } else { 0.0 };
     let near = Side::BOTH
         .into_iter()
         .filter(|&side| state.planted(side))
-        .map(|side| legs::hip(params, com, state.facing, side).distance(ground(state.feet[side as usize].ankle)))
+        .map(|side| legs::hip(params, com, state.ahead, side).distance(ground(state.feet[side as usize].ankle)))
         .fold(f64::INFINITY, f64::min);
     let finite = com.is_finite() && state.com.y.is_finite();
     if state.com.y < params.low || near > params.lean || !finite {

@@ -7,7 +7,7 @@ use super::balance::steady_lean;
 use super::foothold::{ankles, beside, corrective, middle_after};
 use super::support::{Support, Tread};
 use super::{Intent, Params, Passing, Physique, Plant, State, StepKind, Swing, Trigger};
-use super::{control::wrap, foothold, ground, support, swing};
+use super::{control::wrap, foothold, ground, swing};
 use crate::maths::pendulum;
 use crate::model::Side;
 use glam::{DVec2, DVec3};
@@ -16,13 +16,11 @@ use glam::{DVec2, DVec3};
 pub fn decide(params: &Params, physique: &Physique, state: &mut State) {
     let lean = steady_lean(physique, state);
     let xi = state.xi() + lean;
-    let feet = [&state.feet[0], &state.feet[1]];
-    let outline = Support::two(params, physique, feet, [Tread::Whole; 2], 0.0);
     let hard = ((state.touch.length() / params.foresee - 1.0) / 0.8).clamp(0.0, 1.0);
     let coming = foothold::expected(params, physique, state, params.expect) * (hard / state.omega());
     let out = match params.trigger {
-        Trigger::Extrapolated => outline.outside(xi + coming),
-        Trigger::Projected => outline.outside(ground(state.com)),
+        Trigger::Extrapolated => state.outline.outside(xi + coming),
+        Trigger::Projected => state.outline.outside(ground(state.com)),
     } + params.outer;
     let corrective_now = matches!(state.intent, Some(Intent { kind: StepKind::Corrective, .. }));
     if out > 0.0 || (corrective_now && out > -0.02 * params.size) {
@@ -84,7 +82,7 @@ fn choose(params: &Params, physique: &Physique, state: &State) -> Intent {
             + hop
     };
     // one crossing at a time
-    let apart = ground(state.feet[0].ankle - state.feet[1].ankle).dot(support::left(state.facing));
+    let apart = ground(state.feet[0].ankle - state.feet[1].ankle).dot(state.aside());
     let ways: &[Passing] =
         if apart > 0.9 * params.gap { &[Passing::Own, Passing::Front, Passing::Behind] } else { &[Passing::Own] };
     let best = |side: Side| {
@@ -118,7 +116,7 @@ pub fn lift(params: &Params, physique: &Physique, state: &mut State, dt: f64) ->
                 return None;
             }
             let speed = ground(state.velocity) * (params.tempo / params.size);
-            let sideways = speed.dot(support::left(state.facing)).abs() / (speed.length() + 1e-9);
+            let sideways = speed.dot(state.aside()).abs() / (speed.length() + 1e-9);
             let sideways = if intent.passing == Passing::Own { sideways } else { 0.0 };
             params.swing * (1.0 - 0.12 * (speed.length() / 1.5).min(1.0)) * (1.0 - 0.14 * sideways)
         }
@@ -132,7 +130,7 @@ pub fn lift(params: &Params, physique: &Physique, state: &mut State, dt: f64) ->
     } else {
         beside(params, physique, state, intent.side)
     };
-    let ahead = support::forward(state.facing);
+    let ahead = state.ahead;
     let round = match intent.passing {
         Passing::Own => swing::round(ground(from.ankle), ground(to.ankle), ground(stance.ankle), -ahead),
         Passing::Front => ahead,
@@ -205,7 +203,7 @@ pub fn replan(params: &Params, physique: &Physique, state: &mut State, dt: f64) 
     } else {
         let (comfortable, slip) = followed(params, physique, state, swing.side, left_over);
         let ankle = ground(comfortable.ankle) + slip;
-        let out = support::left(state.facing) * swing.side.sign();
+        let out = state.aside() * swing.side.sign();
         let ankle = ankle + out * (params.gap - (ankle - stance).dot(out)).max(0.0);
         Plant { ankle: DVec3::new(ankle.x, 0.0, ankle.y), ..comfortable }
     };
@@ -221,8 +219,8 @@ pub fn replan(params: &Params, physique: &Physique, state: &mut State, dt: f64) 
 fn discomfort(params: &Params, physique: &Physique, state: &State) -> f64 {
     let [left_foot, right_foot] = ankles(state);
     let apart = left_foot - right_foot;
-    let wide = (apart.dot(support::left(state.facing)) - params.width).abs() / (params.widen * params.width);
-    let staggered = apart.dot(support::forward(state.facing)).abs() / params.stagger;
+    let wide = (apart.dot(state.aside()) - params.width).abs() / (params.widen * params.width);
+    let staggered = apart.dot(state.ahead).abs() / params.stagger;
     let twisted = Side::BOTH
         .into_iter()
         .map(|side| wrap(state.feet[side as usize].yaw - state.facing - side.sign() * physique.toe_out).abs())

@@ -4,7 +4,7 @@
 //! Ground plane (x, z), metres, seconds.
 
 use super::balance::{braking, steady_lean};
-use super::{Params, Passing, Physique, Plant, State, Support, ground, support, support::Tread, swing};
+use super::{Params, Passing, Physique, Plant, State, Support, ground, support::Tread, swing};
 use crate::maths::pendulum;
 use crate::model::Side;
 use glam::{DVec2, DVec3};
@@ -52,8 +52,8 @@ pub fn corrective(
     let weight = physique.mass * pendulum::GRAVITY;
     let capture = com + direction * distance + state.felt * (params.pull / weight);
 
-    let (ahead, out) = (support::forward(state.facing), support::left(state.facing) * side.sign());
-    let away = capture - middle(params, state.facing, [from, ground(stance.ankle)]);
+    let (ahead, out) = (state.ahead, state.aside() * side.sign());
+    let away = capture - middle(params, state.ahead, [from, ground(stance.ankle)]);
     let direction = away.normalize_or_zero();
     let over = (speed / (0.5 * params.size / params.tempo)).min(1.0);
     let outward = if passing == Passing::Own { params.outward } else { params.across };
@@ -98,7 +98,7 @@ pub fn expected(params: &Params, physique: &Physique, state: &State, time: f64) 
 
 /// The point that a corrective step to that plant means to have ξ at when it lands.
 pub fn over_foot(params: &Params, state: &State, side: Side, passing: Passing, plant: &Plant) -> DVec2 {
-    let (ahead, out) = (support::forward(state.facing), support::left(state.facing) * side.sign());
+    let (ahead, out) = (state.ahead, state.aside() * side.sign());
     let outward = if passing == Passing::Own { params.outward } else { params.across };
     ground(plant.ankle) + ahead * params.com_forward - out * outward
 }
@@ -115,20 +115,20 @@ fn clearance(params: &Params, foot: f64, beside: f64) -> f64 {
 /// Beside the other foot, as in the natural stand.
 pub fn beside(params: &Params, physique: &Physique, state: &State, side: Side) -> Plant {
     let stance = ground(state.feet[side.other() as usize].ankle);
-    let ankle = stance + support::left(state.facing) * (side.sign() * params.width);
+    let ankle = stance + state.aside() * (side.sign() * params.width);
     Plant { ankle: DVec3::new(ankle.x, 0.0, ankle.y), yaw: state.facing + side.sign() * physique.toe_out }
 }
 
 /// The point over which the body stands at ease on those two ankles.
-pub fn middle(params: &Params, facing: f64, ankles: [DVec2; 2]) -> DVec2 {
-    (ankles[0] + ankles[1]) * 0.5 + support::forward(facing) * params.com_forward
+pub fn middle(params: &Params, ahead: DVec2, ankles: [DVec2; 2]) -> DVec2 {
+    (ankles[0] + ankles[1]) * 0.5 + ahead * params.com_forward
 }
 
 /// The point to stand over once `side` has come beside the other.
 pub fn middle_after(params: &Params, physique: &Physique, state: &State, side: Side) -> DVec2 {
     let stance = ground(state.feet[side.other() as usize].ankle);
     let to = ground(beside(params, physique, state, side).ankle);
-    middle(params, state.facing, [stance, to])
+    middle(params, state.ahead, [stance, to])
 }
 
 /// Both ankles on the ground, left and right.

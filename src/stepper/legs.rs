@@ -1,7 +1,7 @@
 //! The spring legs and the flight of the centre of mass: height by springs whose rest lengths the feet set, level motion
 //! by the lean over the centre of pressure, the push on top.
 
-use super::{Inputs, Params, Physique, State, StepKind, ground, support, swing};
+use super::{Inputs, Params, Physique, State, StepKind, ground, swing};
 use crate::maths::pendulum::{self, GRAVITY};
 use crate::model::Side;
 use glam::{DVec2, DVec3};
@@ -35,7 +35,7 @@ pub fn integrate(params: &Params, physique: &Physique, state: &mut State, inputs
         .into_iter()
         .filter(|&side| state.planted(side))
         .map(|side| {
-            hip(params, ground(state.com), state.facing, side).distance_squared(ground(state.feet[side as usize].ankle))
+            hip(params, ground(state.com), state.ahead, side).distance_squared(ground(state.feet[side as usize].ankle))
         })
         .fold(f64::INFINITY, f64::min);
     let height = physique.com_height;
@@ -54,7 +54,7 @@ fn rest_height(params: &Params, physique: &Physique, state: &State) -> f64 {
             }
             _ => (ground(state.feet[side as usize].ankle), 1.0),
         };
-        let allowed = leg_height(params, physique, (ground(state.com), state.facing), side, ankle);
+        let allowed = leg_height(params, physique, (ground(state.com), state.ahead), side, ankle);
         height = height.min(physique.com_height + (allowed - physique.com_height) * weight);
     }
     height.max(0.7 * physique.com_height)
@@ -66,16 +66,16 @@ fn landing_height(params: &Params, physique: &Physique, state: &State) -> f64 {
     let left_over = (swing.land - state.time).max(0.0);
     let stance = &state.feet[swing.side.other() as usize];
     let (com, _) = pendulum::predict(ground(state.com), ground(state.velocity), state.cop, state.omega(), left_over);
-    let new = leg_height(params, physique, (com, state.facing), swing.side, ground(swing.to.ankle));
-    let old = leg_height(params, physique, (com, state.facing), swing.side.other(), ground(stance.ankle));
+    let new = leg_height(params, physique, (com, state.ahead), swing.side, ground(swing.to.ankle));
+    let old = leg_height(params, physique, (com, state.ahead), swing.side.other(), ground(stance.ankle));
     new.min(old).max(0.84 * physique.com_height)
 }
 
 /// The centre of mass's height with that leg stretched.
-fn leg_height(params: &Params, physique: &Physique, (com, facing): (DVec2, f64), side: Side, ankle: DVec2) -> f64 {
-    let hip = hip(params, com, facing, side);
+fn leg_height(params: &Params, physique: &Physique, (com, ahead): (DVec2, DVec2), side: Side, ankle: DVec2) -> f64 {
+    let hip = hip(params, com, ahead, side);
     let across = hip - ankle;
-    let behind = across.dot(support::forward(facing)).max(0.0) / physique.leg_length;
+    let behind = across.dot(ahead).max(0.0) / physique.leg_length;
     let upright = physique.hip_height - physique.ankle_height;
     let leg = params.leg_span.max(upright) + 0.07 * params.size * (2.5 * behind).min(1.0);
     let tall = (leg * leg - across.length_squared()).max(0.0).sqrt();
@@ -83,6 +83,6 @@ fn leg_height(params: &Params, physique: &Physique, (com, facing): (DVec2, f64),
 }
 
 /// Where that hip is over the ground.
-pub fn hip(params: &Params, com: DVec2, facing: f64, side: Side) -> DVec2 {
-    com - support::forward(facing) * params.com_forward + support::left(facing) * (0.5 * side.sign() * params.width)
+pub fn hip(params: &Params, com: DVec2, ahead: DVec2, side: Side) -> DVec2 {
+    com - ahead * params.com_forward + DVec2::new(ahead.y, -ahead.x) * (0.5 * side.sign() * params.width)
 }

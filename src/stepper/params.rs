@@ -135,6 +135,7 @@ impl Params {
         let hip_low = 0.74 * physique.hip_height - physique.ankle_height;
         let leg = physique.leg_length * 0.995;
         let legs_reach = (leg * leg - hip_low * hip_low).max(0.04 * leg * leg).sqrt();
+        let gap = (0.14 * physique.leg_length).max(2.0 * physique.half_width + 0.01 * size).min(0.95 * width);
         Params {
             lead: style.lead,
             trigger: style.trigger,
@@ -161,11 +162,11 @@ impl Params {
             pause: 0.35 * tempo,
             reach: dial(0.85, 1.0, 1.45) * legs_reach,
             ankle_speed: dial(6.0, 8.0, 16.0) * pace,
-            gap: 0.14 * physique.leg_length,
+            gap,
             outward: 0.045 * size,
             overshoot: 0.02 * size,
             across: -0.03 * size,
-            pass: 0.16 * size,
+            pass: (0.20 * size).max(gap + 0.04 * size),
             slip_arc: 0.6,
             give: 1.0,
             leg_lag: 0.02 * tempo,
@@ -175,8 +176,8 @@ impl Params {
             expect: 0.12 * tempo,
             foresee: 0.25 * weight,
             tipping: 0.2,
-            delay: 0.2 * tempo,
-            cost_speed: 0.13 * tempo,
+            delay: 0.5 * tempo,
+            cost_speed: 0.2 * tempo,
             cost_cross: 0.2,
             pull: 0.4 * physique.com_height,
             leg_bias: 0.4,

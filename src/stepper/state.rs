@@ -1,5 +1,6 @@
 //! The controller's state, what it is told each tick and what it says. Plain values, scenario space, SI units.
 
+use super::support::{Support, Tread};
 use super::{Params, Physique, Plant, Step, StepKind, ground, support};
 use crate::maths::pendulum;
 use crate::model::Side;
@@ -80,12 +81,18 @@ pub struct State {
     pub cop: DVec2,
     /// The feet: on the ground, or the ankle's shadow raised by its height in the air.
     pub feet: [Plant; 2],
+    /// What both feet held when they last stood both: their soles' outline, and where in it the pressure may go.
+    pub outline: Support,
+    /// See `outline`.
+    pub inset: Support,
     /// The swing in progress.
     pub swing: Option<Swing>,
     /// The step decided on.
     pub intent: Option<Intent>,
     /// rad, where the pelvis points.
     pub facing: f64,
+    /// Unit vector (x, z) that way.
+    pub ahead: DVec2,
     /// N, the push as it is felt, (x, z).
     pub felt: DVec2,
     /// N, the push of this moment as the skin feels it, (x, z).
@@ -132,6 +139,7 @@ impl State {
             let ankle = place + support::left(facing) * (side.sign() * 0.5 * params.width);
             Plant { ankle: DVec3::new(ankle.x, 0.0, ankle.y), yaw: facing + side.sign() * physique.toe_out }
         });
+        let hold = |margin: f64| Support::two(params, physique, [&feet[0], &feet[1]], [Tread::Whole; 2], margin);
         let over = place + support::forward(facing) * params.com_forward;
         State {
             tick: 0,
@@ -140,10 +148,13 @@ impl State {
             velocity: DVec3::ZERO,
             acceleration: DVec3::ZERO,
             cop: over,
+            outline: hold(0.0),
+            inset: hold(params.margin),
             feet,
             swing: None,
             intent: None,
             facing,
+            ahead: support::forward(facing),
             felt: DVec2::ZERO,
             touch: DVec2::ZERO,
             pushed: 0.0,
@@ -168,6 +179,11 @@ impl State {
     /// m, extrapolated centre of mass.
     pub fn xi(&self) -> DVec2 {
         pendulum::extrapolated(ground(self.com), ground(self.velocity), self.omega())
+    }
+
+    /// Unit vector (x, z) to the pelvis's left.
+    pub fn aside(&self) -> DVec2 {
+        DVec2::new(self.ahead.y, -self.ahead.x)
     }
 
     /// Does that foot carry?

@@ -25,7 +25,7 @@ pub enum Tread {
 }
 
 /// A convex area on the ground.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Support {
     corners: [DVec2; 8],
     count: usize,
@@ -108,7 +108,8 @@ fn corners_of(
     into: &mut [DVec2],
 ) -> (usize, f64) {
     let ankle = DVec2::new(plant.ankle.x, plant.ankle.z);
-    let (ahead, side) = (forward(plant.yaw), left(plant.yaw));
+    let (sin, cos) = plant.yaw.sin_cos();
+    let (ahead, side) = (DVec2::new(sin, cos), DVec2::new(cos, -sin));
     let middle = 0.5 * (physique.heel + physique.tip);
     if params.support == SupportModel::Circles {
         into[0] = ankle + ahead * middle;
@@ -159,4 +160,73 @@ fn push(chain: &mut [DVec2; 16], mut count: usize, base: usize, point: DVec2) ->
     }
     chain[count] = point;
     count + 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Style;
+    use super::*;
+    use glam::DVec3;
+
+    fn adult() -> Physique {
+        Physique {
+            mass: 89.5,
+            com_height: 0.96,
+            leg_length: 0.83,
+            hip_height: 0.90,
+            ankle_height: 0.08,
+            stance_width: 0.18,
+            com_forward: 0.045,
+            toe_out: 0.1,
+            heel: -0.07,
+            tip: 0.18,
+            half_width: 0.045,
+        }
+    }
+
+    fn foot(x: f64, z: f64, yaw: f64) -> Plant {
+        Plant { ankle: DVec3::new(x, 0.0, z), yaw }
+    }
+
+    fn params(support: SupportModel) -> Params {
+        Params::new(&adult(), &Style { support, ..Style::default() })
+    }
+
+    #[test]
+    fn a_sole_reaches_from_heel_to_tip_and_across() {
+        let (params, body) = (params(SupportModel::Soles), adult());
+        let sole = Support::one(&params, &body, &foot(1.0, 2.0, 0.0), Tread::Whole, 0.0);
+        for (x, z, out) in
+            [(1.0, 2.28, 0.1), (1.0, 1.83, 0.1), (1.145, 2.0, 0.1), (0.855, 2.0, 0.1), (1.0, 2.05, -0.045)]
+        {
+            assert!((sole.outside(DVec2::new(x, z)) - out).abs() < 1e-12, "{x} {z}");
+        }
+        let ball = Support::one(&params, &body, &foot(1.0, 2.0, 0.0), Tread::Ball, 0.0);
+        assert!(ball.outside(DVec2::new(1.0, 2.05)) > 0.05 && ball.outside(DVec2::new(1.0, 2.15)) < 0.0);
+    }
+
+    #[test]
+    fn a_foot_turned_left_points_left() {
+        let (params, body) = (params(SupportModel::Soles), adult());
+        let sole = Support::one(&params, &body, &foot(0.0, 0.0, std::f64::consts::FRAC_PI_2), Tread::Whole, 0.0);
+        assert!(sole.outside(DVec2::new(0.17, 0.0)) < 0.0 && sole.outside(DVec2::new(-0.08, 0.0)) > 0.0);
+    }
+
+    #[test]
+    fn two_feet_hold_what_lies_between_them_whatever_their_order() {
+        let body = adult();
+        for model in [SupportModel::Soles, SupportModel::Circles] {
+            let params = params(model);
+            let (one, two) = (foot(0.3, 0.5, 0.4), foot(-0.2, -0.1, -0.2));
+            let ab = Support::two(&params, &body, [&one, &two], [Tread::Whole; 2], 0.01);
+            let ba = Support::two(&params, &body, [&two, &one], [Tread::Whole; 2], 0.01);
+            assert!(ab.outside(DVec2::new(0.06, 0.24)) < 0.0);
+            for i in 0..100 {
+                let point = DVec2::new(0.02 * f64::from(i % 10) - 0.3, 0.1 * f64::from(i / 10) - 0.4);
+                assert!((ab.outside(point) - ba.outside(point)).abs() < 1e-12);
+                let near = ab.nearest(point);
+                assert!(ab.outside(near) < 1e-12 && (near.distance(point) - ab.outside(point).max(0.0)).abs() < 1e-12);
+            }
+        }
+    }
 }

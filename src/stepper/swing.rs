@@ -55,3 +55,35 @@ fn bezier(from: DVec2, to: DVec2, detour: DVec2, u: f64) -> DVec2 {
     let w = 1.0 - u;
     from * (w * w * w) + one * (3.0 * w * w * u) + two * (3.0 * w * u * u) + to * (u * u * u)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_way_through_the_stance_foot_is_bowed_around_it_by_the_gap() {
+        let stance = DVec2::ZERO;
+        for (from, to) in [((0.2, -0.3), (-0.1, 0.4)), ((0.2, 0.0), (-0.25, 0.16)), ((-0.3, -0.1), (0.3, 0.05))] {
+            let (from, to) = (DVec2::from(from), DVec2::from(to));
+            for round in [DVec2::Y, DVec2::NEG_Y, DVec2::X] {
+                let bow = detour(from, to, stance, round, 0.116);
+                let near = (0..=100).map(|i| bezier(from, to, bow, f64::from(i) / 100.0).distance(stance));
+                let near = near.fold(f64::INFINITY, f64::min);
+                assert!(near > 0.08, "{from} {to} {round}: {near}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_way_that_is_clear_stays_straight() {
+        let bow = detour(DVec2::new(0.18, 0.0), DVec2::new(0.2, 0.5), DVec2::ZERO, DVec2::X, 0.116);
+        assert_eq!(bow, DVec2::ZERO);
+    }
+
+    #[test]
+    fn the_easing_starts_and_ends_at_rest_and_peaks_as_it_says() {
+        let speed = |u: f64| (ease(u + 1e-6) - ease(u - 1e-6)) / 2e-6;
+        assert!(speed(1e-5).abs() < 1e-6 && speed(1.0 - 1e-5).abs() < 1e-6);
+        assert!((speed(0.5) - PEAK).abs() < 1e-6);
+    }
+}

@@ -51,7 +51,7 @@ pub type UpperAngles = [f64; UPPER];
 pub const UPPER: usize = 16;
 
 /// m, how far over the centre of mass a push at the chest acts on the reference body.
-const PUSH_ARM: f64 = 0.27;
+const PUSH_ARM: f64 = 0.19;
 
 /// Memory of the reaction.
 #[derive(Clone, Debug)]
@@ -142,7 +142,7 @@ impl Reaction {
     fn tick_pelvis(&mut self, senses: &Senses, scale: f64, dt: f64) {
         let between = senses.feet[0].ankle - senses.feet[1].ankle;
         let ahead = between.x * senses.facing.sin() + between.z * senses.facing.cos(); // left foot ahead of the right
-        let yaw = -soft_limit(0.55 * ahead / self.physique.leg_length, 16_f64.to_radians());
+        let yaw = -soft_limit(1.1 * ahead / self.physique.leg_length, 16_f64.to_radians());
         self.pelvis_yaw.step(yaw, TAU * 1.8 / scale, 0.9, dt);
         let list = match senses.planted {
             [false, true] => -1.0,
