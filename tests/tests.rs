@@ -14,6 +14,10 @@ mod export;
 mod export_real;
 /// Files that are broken, malicious or of another kind.
 mod hostile;
+/// Slip, sole, joints, ZMP and the rest of the limits, on shoves of every rig.
+mod limits;
+/// Rigs x directions x impulses, and the table of what came out; `benches/limits.rs` prints it.
+mod limits_grid;
 /// What the measures say of a walk over force plates.
 mod measure;
 /// Contact sheets of real rigs.

@@ -1,0 +1,300 @@
+//! The grid that a baked clip's limits are held on: rigs x eight directions x impulses, and the table of what came out.
+//!
+//! Impulses are for 89.5 kg and a 0.83 m leg and scale with each body (by m and the root of the leg). A push acts on the
+//! chest for 0.2 s from 0.6 s; the clip lasts 4 s. `tests/limits.rs` asserts on it, `tests/benches/limits.rs` prints all.
+
+use rayon::prelude::*;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use surefoot::bake::{BakeOptions, Baked, bake};
+use surefoot::measure::percentile;
+use surefoot::model::report::Outcome;
+use surefoot::model::scenario::{Direction, Push, Scenario};
+use surefoot::model::{Body, Role};
+use surefoot::rig::mannequin::BUILTIN;
+use surefoot::rig::{Rig, load, load_bytes};
+
+/// Degrees, 0 pushed forwards, positive towards the left.
+pub const EIGHT: [f64; 8] = [0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0];
+
+/// Rigs that nobody here made.
+pub const THIRD_PARTY: [&str; 11] = [
+    "m2m_human_base_animations.glb",
+    "m2m_rig_human.glb",
+    "m2m_human_male.glb",
+    "m2m_ue_names_no_animation.glb",
+    "gdquest_mannequiny.glb",
+    "kaykit_Knight.glb",
+    "khronos_CesiumMan.gltf",
+    "godette_vrm0.vrm",
+    "vrm1_debug_robot.vrm",
+    "vrm_tiny_basic_armature.vrm",
+    "sketchbook_boxman.glb",
+];
+
+/// What the issue asks of a clip, one a column of the table: name, unit, whether a clip holds it.
+type Limit = (&'static str, fn(&Measured) -> f64, fn(f64, &Measured) -> bool);
+
+/// The limits of one clip. Slip and ZMP shares are over many clips too: see [`Sum`].
+pub const LIMITS: [Limit; 14] = [
+    ("slip<2mm", |m| m.slip_max, |v, _| v <= 2.0),
+    ("speed<10", |m| m.slip_speed, |v, _| v <= 10.0),
+    ("sink<5mm", |m| m.sink, |v, _| v <= 5.0),
+    ("float<5mm", |m| m.float, |v, _| v <= 5.0),
+    ("knee<0", |m| m.knee, |v, _| v <= 0.05),
+    ("limits", |m| m.beyond.iter().map(|(_, by)| *by).fold(0.0, f64::max), |v, _| v <= 0.0),
+    ("pops", |m| m.pops.len() as f64, |v, _| v <= 0.0),
+    ("legs>8cm", |m| -m.legs, |v, _| v <= -8.0),
+    ("zmp>95%", |m| 100.0 - m.inside, |v, _| v <= 5.0),
+    ("out<3cm", |m| m.outside, |v, _| v <= 3.0),
+    ("ratio", |m| m.ratio.unwrap_or(1.0), |v, m| v >= 0.6 && v <= if m.sideways() { 1.3 } else { 1.1 }),
+    ("step<60", |m| m.first_step.unwrap_or(0.0), |v, _| v <= 60.0),
+    ("rests", |m| f64::from(u8::from(!m.rests)), |v, _| v <= 0.0),
+    ("stands", |m| f64::from(u8::from(m.outcome == Outcome::Fall)), |v, _| v <= 0.0),
+];
+
+/// What was measured of one clip.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// Degrees.
+    pub direction: f64,
+    /// Ns, of the reference body.
+    pub impulse: f64,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// How many steps.
+    pub steps: u32,
+    /// mm, one a contact.
+    pub slips: Vec<f64>,
+    /// mm.
+    pub slip_max: f64,
+    /// mm/s, 95th percentile.
+    pub slip_speed: f64,
+    /// mm under the ground.
+    pub sink: f64,
+    /// mm over it.
+    pub float: f64,
+    /// Degrees past straight.
+    pub knee: f64,
+    /// Joint and axis, degrees beyond its range.
+    pub beyond: Vec<(String, f64)>,
+    /// Joint and degrees.
+    pub pops: Vec<(String, f64)>,
+    /// cm in a swing, of the reference leg.
+    pub legs: f64,
+    /// Per cent of the moving samples.
+    pub inside: f64,
+    /// cm, 95th percentile.
+    pub outside: f64,
+    /// Speed over impulse / mass.
+    pub ratio: Option<f64>,
+    /// Degrees between the first step and the push.
+    pub first_step: Option<f64>,
+    /// Whether it is at rest at the end.
+    pub rests: bool,
+    /// m/s.
+    pub ankle_speed: f64,
+}
+
+impl Measured {
+    /// Whether the push was from the side.
+    pub fn sideways(&self) -> bool {
+        self.direction.to_radians().sin().abs() > 0.9
+    }
+}
+
+/// The rigs to bake on, the built-in one first; of the others those whose file is there.
+pub fn rigs() -> Vec<(String, Rig)> {
+    let none = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
+    let builtin = load_bytes("builtin", BUILTIN, &none, None).expect("the built-in rig loads");
+    let folder = std::env::var_os("SUREFOOT_DATA")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from)
+        .join("rigs");
+    let mut rigs = vec![("builtin".to_owned(), builtin)];
+    for name in THIRD_PARTY {
+        let path = folder.join(name);
+        if path.is_file() {
+            let rig = load(&path).unwrap_or_else(|error| panic!("{name}: {error}"));
+            rigs.push((name.split('.').next().unwrap_or(name).to_owned(), rig));
+        }
+    }
+    rigs
+}
+
+/// A shove of that many Ns of the reference body towards a heading (degrees).
+pub fn shove(body: &Body, direction: f64, impulse: f64) -> Scenario {
+    let scaled = impulse * (body.mass / 89.5) * (body.leg_length / 0.83).sqrt();
+    let mut scenario = Scenario::demo();
+    scenario.title = format!("shove {impulse} towards {direction}");
+    scenario.duration = 4.0;
+    scenario.seed = 7;
+    scenario.pull.clear();
+    scenario.push = vec![Push {
+        start: 0.6,
+        duration: 0.2,
+        force: scaled / 0.2,
+        toward: Direction::Heading(direction.to_radians()),
+        at: Role::Chest,
+    }];
+    scenario
+}
+
+/// Bakes one shove and measures it.
+pub fn measured(rig: &Rig, direction: f64, impulse: f64) -> Measured {
+    let scenario = shove(&rig.body, direction, impulse);
+    let baked = bake(rig, &scenario, &BakeOptions::default()).expect("the simulation holds");
+    of(&baked, direction, impulse)
+}
+
+/// Bakes a whole grid, in order of direction, then impulse.
+pub fn grid(rig: &Rig, directions: &[f64], impulses: &[f64]) -> Vec<Measured> {
+    let cells: Vec<(f64, f64)> = directions.iter().flat_map(|d| impulses.iter().map(|i| (*d, *i))).collect();
+    cells.par_iter().map(|(direction, impulse)| measured(rig, *direction, *impulse)).collect()
+}
+
+fn of(baked: &Baked, direction: f64, impulse: f64) -> Measured {
+    let findings = baked.findings.as_ref().expect("a baked clip can be measured");
+    let toward = glam::DVec2::from_angle(direction.to_radians()); // (z, x): from +Z towards +X
+    let first_step = baked.performance.trace.steps.first().and_then(|step| {
+        let way = step.to.ankle - step.from.ankle;
+        let way = glam::DVec2::new(way.z, way.x).try_normalize()?;
+        Some(way.dot(toward).clamp(-1.0, 1.0).acos().to_degrees())
+    });
+    let feet = &findings.feet;
+    Measured {
+        direction,
+        impulse,
+        outcome: baked.report.outcome,
+        steps: baked.report.steps,
+        slips: feet.slips.iter().map(|slip| slip.mm).collect(),
+        slip_max: feet.slip_max_mm,
+        slip_speed: feet.slip_speed_p95,
+        sink: feet.penetration_max_mm,
+        float: feet.float_max_mm,
+        knee: findings.joints.knee_past_straight.to_degrees(),
+        beyond: findings
+            .joints
+            .excesses
+            .iter()
+            .map(|excess| (format!("{} {}", excess.angle.role.name(), excess.angle.axis), excess.by.to_degrees()))
+            .collect(),
+        pops: findings.joints.pops.iter().map(|pop| (pop.role.name().to_owned(), pop.step.to_degrees())).collect(),
+        legs: (100.0 * feet.least_leg_distance / findings.leg_scale).min(99.0),
+        inside: 100.0 * findings.zmp.inside,
+        outside: findings.zmp.outside_p95_cm,
+        ratio: findings.speed_ratio,
+        first_step,
+        rests: findings.balance.rest_from.is_some(),
+        ankle_speed: feet.peak_ankle_speed,
+    }
+}
+
+/// What holds over many clips.
+#[derive(Clone, Debug)]
+pub struct Sum {
+    /// mm, 95th percentile over contacts, and the largest.
+    pub slip: [f64; 2],
+    /// Per cent, mean and worst.
+    pub inside: [f64; 2],
+    /// cm, of the clips' own 95th percentiles the 95th.
+    pub outside: f64,
+    /// Least and greatest, not sideways.
+    pub ratio: [f64; 2],
+    /// Least and greatest, sideways.
+    pub ratio_sideways: [f64; 2],
+    /// Share of clips, one a limit of [`LIMITS`].
+    pub passes: Vec<f64>,
+    /// The worst value, one a limit.
+    pub worst: Vec<f64>,
+}
+
+impl Sum {
+    /// Of clips; a clip that ends in a fall counts for `stands` alone.
+    pub fn of(clips: &[Measured]) -> Sum {
+        let standing: Vec<&Measured> = clips.iter().filter(|clip| clip.outcome != Outcome::Fall).collect();
+        let slips: Vec<f64> = standing.iter().flat_map(|clip| clip.slips.iter().copied()).collect();
+        let outside: Vec<f64> = standing.iter().map(|clip| clip.outside).collect();
+        let inside = standing.iter().map(|clip| clip.inside);
+        let range = |sideways: bool| {
+            let ratios = standing.iter().filter(|clip| clip.sideways() == sideways).filter_map(|clip| clip.ratio);
+            ratios.fold([f64::INFINITY, 0.0], |[low, high], ratio| [ratio.min(low), ratio.max(high)])
+        };
+        let share = |(_, value, holds): &Limit, clips: &[&Measured]| {
+            let good = clips.iter().filter(|clip| holds(value(clip), clip)).count();
+            if clips.is_empty() { 1.0 } else { good as f64 / clips.len() as f64 }
+        };
+        let all: Vec<&Measured> = clips.iter().collect();
+        let over = |limit: &Limit| if limit.0 == "stands" { all.clone() } else { standing.clone() };
+        Sum {
+            slip: [percentile(&slips, 0.95), slips.iter().copied().fold(0.0, f64::max)],
+            inside: [inside.clone().sum::<f64>() / standing.len().max(1) as f64, inside.fold(100.0, f64::min)],
+            outside: percentile(&outside, 0.95),
+            ratio: range(false),
+            ratio_sideways: range(true),
+            passes: LIMITS.iter().map(|limit| share(limit, &over(limit))).collect(),
+            worst: LIMITS
+                .iter()
+                .map(|limit| over(limit).iter().map(|clip| limit.1(clip)).fold(f64::NEG_INFINITY, f64::max))
+                .collect(),
+        }
+    }
+}
+
+/// The head of the table.
+pub fn head() -> String {
+    let mut text = format!("{:<26}{:>6}", "per cent of clips | worst", "clips");
+    for (name, ..) in LIMITS {
+        let _ = write!(text, "{name:>12}");
+    }
+    text + "  | slip p95  zmp mean worst  out p95    ratio      sideways  steps ankle"
+}
+
+/// One row of the table.
+pub fn row(name: &str, clips: &[Measured]) -> String {
+    let sum = Sum::of(clips);
+    let mut text = format!("{name:<26}{:>6}", clips.len());
+    for (at, (limit, ..)) in LIMITS.iter().enumerate() {
+        let worst = if *limit == "zmp>95%" { 100.0 - sum.worst[at] } else { sum.worst[at].abs() };
+        let _ = write!(text, "{:>5.0}|{:<6}", 100.0 * sum.passes[at], short(worst));
+    }
+    let [low, high] = sum.ratio;
+    let [side_low, side_high] = sum.ratio_sideways;
+    let _ = write!(
+        text,
+        "  | {:>8.2}  {:>8.1} {:>5.1}  {:>7.2}  {low:.2}-{high:.2}  {side_low:.2}-{side_high:.2}  {:>5} {:>5.1}",
+        sum.slip[0],
+        sum.inside[0],
+        sum.inside[1],
+        sum.outside,
+        clips.iter().map(|clip| clip.steps).max().unwrap_or(0),
+        clips.iter().map(|clip| clip.ankle_speed).fold(0.0, f64::max)
+    );
+    text
+}
+
+/// What breaks in clips, most often first.
+pub fn faults(clips: &[Measured]) -> String {
+    let mut counts: std::collections::BTreeMap<String, (usize, f64)> = std::collections::BTreeMap::new();
+    let mut count = |what: String, by: f64| {
+        let entry = counts.entry(what).or_default();
+        *entry = (entry.0 + 1, entry.1.max(by));
+    };
+    for clip in clips {
+        clip.beyond.iter().for_each(|(what, by)| count(what.clone(), *by));
+        clip.pops.iter().for_each(|(what, by)| count(format!("{what} pops"), *by));
+        if clip.outcome == Outcome::Fall {
+            count(format!("fall at {} Ns towards {}", clip.impulse, clip.direction), 0.0);
+        }
+    }
+    let mut sorted: Vec<_> = counts.into_iter().collect();
+    sorted.sort_by(|a, b| b.1.0.cmp(&a.1.0).then(a.0.cmp(&b.0)));
+    sorted.iter().map(|(what, (times, by))| format!("{what} x{times} ({by:.1})")).collect::<Vec<_>>().join(", ")
+}
+
+fn short(value: f64) -> String {
+    match value.abs() {
+        0.0..10.0 => format!("{value:.2}"),
+        10.0..100.0 => format!("{value:.1}"),
+        _ => format!("{value:.0}"),
+    }
+}
