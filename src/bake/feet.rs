@@ -14,7 +14,7 @@ use crate::whole_body::solve::{FootTarget, Solved};
 use glam::{DQuat, DVec3};
 
 /// rad/s, mean speed at which a heel comes up: faster, and the ankle snaps.
-const FASTEST_ROLL: f64 = 1.6;
+const FASTEST_ROLL: f64 = 1.2;
 
 /// rad, dorsiflexion past which the heel comes up: a little inside of the ankle's range of 30 degrees.
 const DORSIFLEXION: f64 = 26.0 * std::f64::consts::PI / 180.0;
@@ -91,6 +91,12 @@ impl FootCurves {
             .iter()
             .find(|swing| time > swing.lift && time < swing.land)
             .map_or(0.0, |swing| bump((time - swing.lift) / (swing.land - swing.lift)).sqrt())
+    }
+
+    /// s since the foot last landed; infinite before its first step.
+    pub fn since_landing(&self, side: Side, time: f64) -> f64 {
+        let swings = &self.feet[side as usize].swings;
+        swings.iter().rev().find(|swing| swing.land <= time).map_or(f64::INFINITY, |swing| time - swing.land)
     }
 
     /// Lets heels come up (and stay up after a backward landing) where an ankle would bend past its range.
@@ -327,7 +333,7 @@ impl Swing {
         let peak = peak + (9.0 - peak) * backward;
         let heel_off = (1.0 - 0.35 * backward)
             * ((if calm { 0.15 } else { 0.13 + 0.05 * forward.clamp(0.0, 1.0) }) * scale).min(room);
-        let peak_after = (0.055 * scale).min(0.25 * duration);
+        let peak_after = (0.085 * scale).min(0.3 * duration);
         let strike = if forward > 0.12 {
             -(30.0 * (forward - 0.05)).min(18.0)
         } else if forward < -0.10 {
@@ -336,7 +342,7 @@ impl Swing {
             0.0
         };
         // Flat again two or three frames after landing; from the ball a little later.
-        let settle = ((if strike > 0.0 { 0.12 } else { 0.085 }) * scale).min(0.35 * (after - step.land).max(0.0));
+        let settle = ((if strike > 0.0 { 0.15 } else { 0.085 }) * scale).min(0.35 * (after - step.land).max(0.0));
         Swing {
             lift: step.lift,
             land: step.land,

@@ -6,12 +6,17 @@
 
 use super::timeline::Timeline;
 use crate::maths::banded::BandedLeastSquares;
+use crate::maths::curve::smooth3;
 use crate::model::Side;
 use crate::whole_body::solve::Solved;
 use glam::DVec3;
 
 /// Longest part of a planted leg that is used: straighter, and the knee pops.
 const PLANTED_REACH: f64 = 0.994;
+/// Part of the leg that a landing leaves bent, and for how long (s): people land on bent knees, and a straight one pops.
+const LANDING_BEND: f64 = 0.02;
+/// s.
+const LANDING: f64 = 0.2;
 /// s, time in which a sinking that nothing holds comes up again (for a centre of mass at 0.96 m).
 const RISE: f64 = 0.11;
 /// Weight of a sample whose need is not met, against the squared acceleration: it pushes up only.
@@ -42,7 +47,8 @@ fn need_at(timeline: &Timeline, index: usize, pose: &Solved) -> f64 {
             continue;
         }
         let leg = timeline.anatomy.legs[side as usize].length();
-        let reach = leg * (PLANTED_REACH + 0.05 * freedom);
+        let landed = 1.0 - smooth3(timeline.feet.since_landing(side, time) / LANDING);
+        let reach = leg * (PLANTED_REACH - LANDING_BEND * landed + 0.05 * freedom);
         let hip = pose.hips[side as usize];
         let ankle = timeline.feet.at(side, time).ankle;
         let flat = (hip - ankle) * DVec3::new(1.0, 0.0, 1.0);
