@@ -106,7 +106,8 @@ fn planted_feet_stay_between_keys_and_few_keys_are_left() {
         let share = keys as f64 / (frames * clip.channels.len()) as f64;
         println!("{name}: slip {:.3} mm, {keys} keys, {:.1} % of frames x channels", worst * 1e3, share * 100.0);
         assert!(worst < 0.5e-3, "{name}: {worst}");
-        assert!(share < 0.35, "{name}: {share}");
+        // Few enough for an engine, many enough that no planted point moves at 10 mm/s: looser keys slide faster.
+        assert!(share < 0.55, "{name}: {share}");
     }
 }
 

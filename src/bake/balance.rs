@@ -13,7 +13,7 @@ use crate::model::BodyPose;
 use glam::{DVec2, DVec3};
 
 /// m, how far inside the support the ZMP is asked to be.
-const MARGIN: f64 = 0.018;
+const MARGIN: f64 = 0.03;
 /// Weight of a sample whose ZMP is inside already (outside: 1).
 const INSIDE_WEIGHT: f64 = 0.05;
 /// Share of the body's weight on the ground below which the ZMP says nothing.

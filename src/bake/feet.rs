@@ -106,8 +106,9 @@ impl FootCurves {
                 up.z.atan2(up.y)
             };
             for number in 0..path.swings.len() {
-                let before =
-                    number.checked_sub(1).map_or(path.still_until, |last| path.swings[last].land + path.swings[last].settle);
+                let before = number
+                    .checked_sub(1)
+                    .map_or(path.still_until, |last| path.swings[last].land + path.swings[last].settle);
                 let after = path.swings.get(number + 1).map_or(f64::INFINITY, |next| next.lift - next.heel_off);
                 let ticks = |from: f64, to: f64| {
                     let last = ((to / dt).floor().max(0.0) as usize).min(solved.len().saturating_sub(1));

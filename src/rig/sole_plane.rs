@@ -65,7 +65,8 @@ fn highest_plane(points: &[DVec3]) -> Option<DVec3> {
     best
 }
 
-/// At most [`MOST_POINTS`] of these: their hull seen from above, then its least corners dropped, then the lowest point.
+/// At most [`MOST_POINTS`] of these: the hull of all seen from above, and the hull of those that touch the ground, which a
+/// rounded shoe's outermost points do not.
 pub(super) fn thin(points: &[usize], flat: &dyn Fn(usize) -> DVec2, laid: &[DVec3]) -> Vec<usize> {
     let mut sorted: Vec<usize> = points.to_vec();
     sorted.sort_by(|&a, &b| {
@@ -73,11 +74,27 @@ pub(super) fn thin(points: &[usize], flat: &dyn Fn(usize) -> DVec2, laid: &[DVec
         p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)).then(laid[a].y.total_cmp(&laid[b].y)).then(a.cmp(&b))
     });
     sorted.dedup_by(|a, b| (flat(*a) - flat(*b)).length() < 1e-6);
+    let lowest = sorted.iter().map(|&index| laid[index].y).fold(f64::INFINITY, f64::min);
+    let touching: Vec<usize> = sorted.iter().copied().filter(|&index| laid[index].y < lowest + TOUCHING).collect();
+    let mut kept = hull(&sorted, flat, MOST_POINTS / 2);
+    for index in hull(&touching, flat, MOST_POINTS / 2) {
+        if !kept.contains(&index) {
+            kept.push(index);
+        }
+    }
+    kept
+}
+
+/// m, over the lowest point: what still touches level ground.
+const TOUCHING: f64 = 0.002;
+
+/// The hull of points sorted by place, its least corners dropped until there are at most `most`.
+fn hull(sorted: &[usize], flat: &dyn Fn(usize) -> DVec2, most: usize) -> Vec<usize> {
     let turn = |a: usize, b: usize, c: usize| (flat(b) - flat(a)).perp_dot(flat(c) - flat(a));
     let mut hull: Vec<usize> = Vec::new();
     for pass in 0..2 {
         let start = hull.len();
-        let order: Vec<usize> = if pass == 0 { sorted.clone() } else { sorted.iter().rev().copied().collect() };
+        let order: Vec<usize> = if pass == 0 { sorted.to_vec() } else { sorted.iter().rev().copied().collect() };
         for index in order {
             while hull.len() >= start + 2 && turn(hull[hull.len() - 2], hull[hull.len() - 1], index) <= 1e-12 {
                 hull.pop();
@@ -89,7 +106,7 @@ pub(super) fn thin(points: &[usize], flat: &dyn Fn(usize) -> DVec2, laid: &[DVec
     if hull.is_empty() {
         hull = sorted.first().copied().into_iter().collect();
     }
-    while hull.len() > MOST_POINTS - 2 {
+    while hull.len() > most {
         let count = hull.len();
         let least = (0..count)
             .map(|at| (at, turn(hull[(at + count - 1) % count], hull[at], hull[(at + 1) % count])))
@@ -97,7 +114,5 @@ pub(super) fn thin(points: &[usize], flat: &dyn Fn(usize) -> DVec2, laid: &[DVec
             .map_or(0, |entry| entry.0);
         hull.remove(least);
     }
-    let lowest = sorted.iter().copied().min_by(|&a, &b| laid[a].y.total_cmp(&laid[b].y));
-    hull.extend(lowest.filter(|low| !hull.contains(low)));
     hull
 }
