@@ -249,10 +249,26 @@ fn a_clip_name_that_is_taken_gets_a_number() {
     shell.run("bake builtin shove.toml -o a.glb").exits(0);
     let object = shell.run("bake a.glb shove.toml -o b.glb --json").exits(0).json();
     let name = object["clip"].as_str().expect("a name");
-    assert!(name != "shove" && name.starts_with("shove"), "{name}");
+    assert_eq!(name, "shove_2");
     let events: serde_json::Value =
         serde_json::from_slice(&fs::read(shell.path("b.events.json")).expect("there")).expect("JSON");
     assert!(events[name].is_object(), "the events go by the name in the file: {events}");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_exits_three_and_leaves_nothing() {
+    let shell = Shell::with(&[("long.toml", &format!("duration = 60.0\n{SHOVE}"))]);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_surefoot"));
+    command.args(["bake", "builtin", "long.toml", "-o", "out.glb", "--fps", "240"]).current_dir(shell.folder.path());
+    let mut child = command.stderr(std::process::Stdio::piped()).spawn().expect("runs");
+    std::thread::sleep(std::time::Duration::from_millis(250));
+    assert_eq!(child.try_wait().expect("can be asked"), None, "the bake is too quick for this test");
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs");
+    let output = child.wait_with_output().expect("ends");
+    assert_eq!(output.status.code(), Some(3), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("interrupted"));
+    assert_eq!(shell.files(), ["long.toml"]);
 }
 
 #[test]

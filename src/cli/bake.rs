@@ -42,18 +42,23 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     inputs.extend(rig.files);
     let rig = rig.rig;
     writer::check(&places, &inputs)?;
+    let mut warnings = Vec::new();
+    let mut warn = |warning: String| {
+        tell(&format!("warning: {warning}"));
+        warnings.push(warning);
+    };
     for warning in &rig.mapping.warnings {
-        tell(&format!("warning: {}: {warning}", args.rig.display()));
+        warn(format!("{}: {warning}", args.rig.display()));
     }
 
     let baked = parts::bake(&rig, &scenario, args)?;
     for warning in &baked.warnings {
-        tell(&format!("warning: {warning}"));
+        warn(warning.clone());
     }
     let fell = baked.report.outcome == Outcome::Fall;
     if fell && args.require_balance {
         if args.json {
-            say(&as_json(&baked, &baked.clip.name, None))?;
+            say(&as_json(&baked, &baked.clip.name, None, &warnings))?;
         }
         tell("the character fell: nothing was written (--require-balance)");
         return Ok(Exit::Refused);
@@ -61,7 +66,7 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
 
     let exported = parts::exported(&rig, &baked)?;
     for change in &exported.changes {
-        tell(&format!("note: {change}"));
+        warn(change.clone());
     }
     let size = exported.glb.len();
     let mut outputs = vec![
@@ -74,7 +79,7 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     writer::write(&outputs, &inputs)?;
     let places = Places { output: &output, events: &events, sheet: args.sheet.as_deref() };
     say(&match args.json {
-        true => as_json(&baked, &exported.name, Some(&places)),
+        true => as_json(&baked, &exported.name, Some(&places), &warnings),
         false => summary(&baked, &exported.name, &places, size),
     })?;
     Ok(Exit::Done)
@@ -88,14 +93,14 @@ struct Places<'a> {
 }
 
 /// One JSON object on one line.
-fn as_json(baked: &Baked, name: &str, places: Option<&Places>) -> String {
+fn as_json(baked: &Baked, name: &str, places: Option<&Places>, warnings: &[String]) -> String {
     let text = |path: Option<&Path>| path.map(|path| path.display().to_string());
     let object = json!({
         "output": text(places.map(|places| places.output)),
         "events": text(places.map(|places| places.events)),
         "sheet": text(places.and_then(|places| places.sheet)),
         "clip": name,
-        "warnings": baked.warnings,
+        "warnings": warnings,
         "report": crate::export::events::report_json(name, &baked.report).unwrap_or_default(),
     });
     format!("{object}\n")

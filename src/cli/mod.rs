@@ -7,6 +7,7 @@ pub mod args;
 pub mod bake;
 pub mod exit_code;
 pub mod inspect;
+pub mod interrupt;
 pub mod new;
 pub mod parts;
 pub mod resolve;
@@ -22,6 +23,7 @@ use std::process::ExitCode;
 
 /// Runs the program with those arguments.
 pub fn run(args: std::env::ArgsOs) -> ExitCode {
+    interrupt::watch();
     let outcome = exit_code::guarded(|| match Args::try_parse_from(args) {
         Ok(args) => dispatch(args.command),
         Err(error) => {

@@ -4,6 +4,7 @@
 //! before it are taken back. Folders that lack are made. A device, a folder or a write-protected file is never replaced.
 
 use super::exit_code::Failure;
+use super::interrupt;
 use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -63,6 +64,14 @@ pub fn write(outputs: &[Output], inputs: &[PathBuf]) -> Result<(), Failure> {
     for output in outputs {
         staged.push((stage(output).map_err(|error| cannot_write(&output.path, &error))?, target(&output.path)));
     }
+    // An interrupt waits from here to the end.
+    let mut listed = interrupt::staged();
+    listed.retain(|path| staged.iter().all(|(file, _)| file.path() != path));
+    place(staged)
+}
+
+/// Renames finished files to their places; if one cannot be, those before it are taken back.
+fn place(staged: Vec<(NamedTempFile, PathBuf)>) -> Result<(), Failure> {
     let mut placed: Vec<Placed> = Vec::with_capacity(staged.len());
     for (file, target) in staged {
         let earlier = keep(&target);
@@ -108,7 +117,12 @@ fn stage(output: &Output) -> std::io::Result<NamedTempFile> {
     let target = target(&output.path);
     let folder = folder(&target);
     fs::create_dir_all(folder)?;
-    let mut file = beside(folder)?;
+    let mut file = {
+        let mut listed = interrupt::staged();
+        let file = beside(folder)?;
+        listed.push(file.path().to_path_buf());
+        file
+    };
     file.write_all(&output.bytes)?;
     file.as_file().sync_all()?;
     Ok(file)
