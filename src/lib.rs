@@ -13,6 +13,22 @@
 //! | 6 | [`export`], [`picture`] | bytes of GLB and events; contact sheets |
 //! | 8 | [`cli`] | the command line; the files on disk |
 //!
+//! A bake from end to end, as the command line does it (without the files):
+//!
+//! ```
+//! use surefoot::bake::{BakeOptions, bake};
+//! use surefoot::model::{Scenario, report::Outcome};
+//! use surefoot::{export, rig};
+//!
+//! let alone = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound)); // the built-in rig has no other files
+//! let rig = rig::load_bytes("builtin", rig::mannequin::BUILTIN, &alone, None)?;
+//! let baked = bake(&rig, &Scenario::demo(), &BakeOptions::default())?; // shoved from the left, 60 N s
+//! assert_eq!(baked.report.outcome, Outcome::Step);
+//! let glb = export::glb(&rig, &[(baked.clip, baked.report)])?.bytes;
+//! assert_eq!(&glb[..4], b"glTF");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Spaces. **Scenario space** is metres, Y up, Z the rig's forward (so X is its left), origin on the ground under the
 //! rig; everything from row 1 to row 5 speaks it unless a name says otherwise. **Document space** is the source file's
 //! own glTF world; [`rig::Rig::document_from_scenario`] leads there. Angles are radians, times seconds, forces newtons;
