@@ -10,6 +10,7 @@ use surefoot::bake::RootMotion;
 use surefoot::bake::keys::{KeyInput, keyed_clip};
 use surefoot::export::glb;
 use surefoot::model::BodyPose;
+use surefoot::model::report::Outcome;
 use surefoot::rig::Rig;
 
 /// The rigs of the data folder that load, by file name.
@@ -155,7 +156,8 @@ fn real_bakes_keep_their_feet_with_few_keys() {
         // A pose that jumps needs its keys; where little but legs has bones, the legs' dense keys are most of them. Goal
         // 0.2: 10 mm/s at a planted foot and that few keys are not to be had together with linear keys (0.22 at 15 mm/s).
         let most = if clip.channels.len() > 30 { 0.42 } else { 0.65 };
-        assert!(exact_slip > 1e-3 || share < most, "{name}: {share}");
+        let fell = baked.report.outcome == Outcome::Fall; // a short clip that moves in every frame
+        assert!(fell || exact_slip > 1e-3 || share < most, "{name}: {share}");
     }
 }
 

@@ -9,11 +9,12 @@ use super::{BakeError, balance, feet, reach};
 use crate::maths::seed::Seed;
 use crate::measure::{KnownPush, PushPoint};
 use crate::model::scenario::{Character, Scenario};
-use crate::model::{Body, Role};
+use crate::model::{Body, Role, Side};
 use crate::sim::session::{SessionPush, SimulateOptions, simulate_pushes};
 use crate::sim::{TickState, Trace};
 use crate::stepper::{Physique, Style};
 use crate::whole_body::reaction::{Personality, Reaction, Senses, UpperAngles};
+use crate::whole_body::solve::Solved;
 use crate::whole_body::{Anatomy, Solver, stand};
 use glam::DVec3;
 
@@ -30,6 +31,8 @@ pub struct Performance {
     pub timeline: Timeline,
     /// The run behind it.
     pub trace: Trace,
+    /// s, where balance is lost and the motion ends.
+    pub lost: Option<f64>,
     /// Foot contacts.
     pub contacts: Vec<FootContact>,
     /// The pushes as they act.
@@ -79,9 +82,31 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
     }
     let solved = timeline.solve_all();
     reach::lower_into_reach(&mut timeline, &solved, scale);
+    let mut lost = trace.lost;
+    if lost.is_some()
+        && let Some(held) = held_until(&timeline)
+    {
+        // Who falls leaves the ground under some foot before the pendulum gives up: the clip ends while its contacts hold.
+        timeline.cut(held);
+        lost = Some(timeline.duration());
+    }
     let contacts = timeline.feet.contacts(timeline.duration());
-    Ok(Performance { timeline, trace, contacts, pushes, physique, zmp_before_pass })
+    Ok(Performance { timeline, trace, lost, contacts, pushes, physique, zmp_before_pass })
 }
+
+/// The last entry before a planted foot is out of its leg's reach; `None` where all are reached.
+fn held_until(timeline: &Timeline) -> Option<usize> {
+    let out = |(index, solved): (usize, &Solved)| {
+        let time = index as f64 * timeline.dt;
+        Side::BOTH
+            .iter()
+            .any(|side| timeline.feet.freedom(*side, time) == 0.0 && solved.short[*side as usize] > OUT_OF_REACH)
+    };
+    timeline.solve_all().iter().enumerate().position(out).map(|index| index.saturating_sub(1).max(4))
+}
+
+/// m, a planted foot that is farther than this from where it stands does not hold.
+const OUT_OF_REACH: f64 = 5e-4;
 
 /// The scenario's pushes and pulls as forces on joints of the body, in order of start.
 fn known_pushes(body: &Body, scenario: &Scenario) -> Vec<KnownPush> {

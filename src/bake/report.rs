@@ -90,7 +90,7 @@ fn read_back(input: &ReportInput) -> Vec<BodyPose> {
 }
 
 fn outcome(performance: &Performance, findings: Option<&Findings>, steps: u32, duration: f64) -> Outcome {
-    if performance.trace.lost.is_some_and(|lost| lost <= duration + 1e-9) {
+    if performance.lost.is_some_and(|lost| lost <= duration + 1e-9) {
         return Outcome::Fall;
     }
     findings.map_or(Outcome::Still, |findings| findings.balance.outcome(steps))
@@ -126,7 +126,7 @@ fn events(performance: &Performance, rest_from: Option<f64>, duration: f64) -> V
         event(step.lift, "foot_up", Some(step.side));
         event(step.land, "foot_down", Some(step.side));
     }
-    if let Some(lost) = performance.trace.lost {
+    if let Some(lost) = performance.lost {
         event(lost, "balance_lost", None);
     }
     if let (Some(time), false) = (rest_from, performance.trace.steps.is_empty()) {
@@ -167,7 +167,7 @@ fn warnings(input: &ReportInput, outcome: Outcome) -> Vec<String> {
     let mut warnings = Vec::new();
     let trace = &input.performance.trace;
     if outcome == Outcome::Fall {
-        let lost = trace.lost.unwrap_or(input.clip.duration);
+        let lost = input.performance.lost.unwrap_or(input.clip.duration);
         warnings.push(format!(
             "balance is lost at {lost:.2} s and the clip ends there: falls need the articulated body, which this version lacks. A weaker push or a higher agility stays up"
         ));

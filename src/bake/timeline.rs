@@ -40,6 +40,14 @@ impl Timeline {
         (self.com.len() - 1) as f64 * self.dt
     }
 
+    /// Ends it at an entry.
+    pub fn cut(&mut self, last: usize) {
+        self.com.truncate(last + 1);
+        self.shift.truncate(last + 1);
+        self.lowering.truncate(last + 1);
+        self.upper.truncate(last + 1);
+    }
+
     /// The target at one entry.
     pub fn target(&self, index: usize) -> PoseTarget {
         let com = self.com[index] + self.shift[index] - DVec3::Y * self.lowering[index];
