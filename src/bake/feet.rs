@@ -11,7 +11,7 @@ use crate::model::{Body, Side, report::Part};
 use crate::stepper::{Physique, Plant, Step, StepKind};
 use crate::whole_body::Anatomy;
 use crate::whole_body::solve::{FootTarget, Solved};
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec2, DVec3};
 
 /// rad/s, mean speed at which a heel comes up: faster, and the ankle snaps.
 const FASTEST_ROLL: f64 = 1.2;
@@ -20,6 +20,8 @@ const FASTEST_ROLL: f64 = 1.2;
 const DORSIFLEXION: f64 = 26.0 * std::f64::consts::PI / 180.0;
 /// s, the longest that a foot stays on its ball after landing: longer, and the weight behind it has nothing to stand on.
 const LONGEST_SETTLE: f64 = 0.16;
+/// Part of the way from ankle to ball that the pressure must be past before the heel may rise early.
+const WEIGHT_AHEAD: f64 = 0.6;
 /// rad, dorsiflexion with which a foot may land.
 const LANDING_FLEXION: f64 = 16.0 * std::f64::consts::PI / 180.0;
 /// rad.
@@ -100,8 +102,8 @@ impl FootCurves {
     }
 
     /// Lets heels come up (and stay up after a backward landing) where an ankle would bend past its range.
-    /// `solved`: the poses of the present curves, `dt` s apart. Call it a few times over.
-    pub fn ease_ankles(&mut self, body: &Body, anatomy: &Anatomy, solved: &[Solved], dt: f64) {
+    /// `solved`: the poses of the present curves, `dt` s apart; `cop`: the centre of pressure then, (x, z). Call it a few times over.
+    pub fn ease_ankles(&mut self, body: &Body, anatomy: &Anatomy, solved: &[Solved], cop: &[DVec2], dt: f64) {
         for side in Side::BOTH {
             let leg = &anatomy.legs[side as usize];
             let shank = body.joints[leg.lower].rest - body.joints[leg.foot].rest;
@@ -110,6 +112,12 @@ impl FootCurves {
             let lean = |index: usize, yaw: f64| {
                 let up = DQuat::from_rotation_y(-yaw) * (solved[index].pose.turns[leg.lower] * shank);
                 up.z.atan2(up.y)
+            };
+            // m, how far the pressure is ahead of the middle of a foot's ball: a heel under the weight stays down.
+            let ball = body.feet[side as usize].ball;
+            let ahead = |index: usize, plant: &Plant| {
+                let from_ankle = cop[index.min(cop.len() - 1)] - DVec2::new(plant.ankle.x, plant.ankle.z);
+                from_ankle.dot(DVec2::new(plant.yaw.sin(), plant.yaw.cos())) - WEIGHT_AHEAD * ball
             };
             for number in 0..path.swings.len() {
                 let before = number
@@ -125,7 +133,7 @@ impl FootCurves {
                     let time = index as f64 * dt;
                     let forwards = lean(index, swing.from.yaw);
                     let pitch = swing.pitch(time);
-                    if swing.onward && forwards - pitch > DORSIFLEXION {
+                    if swing.onward && ahead(index, &swing.from) > 0.0 && forwards - pitch > DORSIFLEXION {
                         swing.heel_off = swing.heel_off.max((swing.lift - time + 0.05).min(swing.lift - before));
                         swing.peak = swing.peak.max((forwards - DORSIFLEXION + 0.10).min(MOST_PITCH));
                     }

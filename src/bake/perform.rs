@@ -16,7 +16,7 @@ use crate::stepper::{Physique, Style};
 use crate::whole_body::reaction::{Personality, Reaction, Senses, UpperAngles};
 use crate::whole_body::solve::Solved;
 use crate::whole_body::{Anatomy, Solver, stand};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// Passes of reach envelope and balance filter: measured, each still brings the ZMP home a little (nine of them:
 /// two thirds of the clips with 95 % inside, fourteen: three quarters).
@@ -65,6 +65,7 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         upper: upper_body(ticks, trace.dt, &physique, seed, scenario.character.style.arms),
         feet: feet::FootCurves::new(body, &physique, &trace.start, &trace.steps, still_until, scale),
     };
+    let cop: Vec<DVec2> = ticks.iter().map(|tick| tick.cop).collect();
     let mut held = contacts::held(&timeline.feet.contacts(timeline.duration()));
     let mut zmp_before_pass = Vec::new();
     for pass in 0..PASSES {
@@ -72,7 +73,7 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         reach::lower_into_reach(&mut timeline, &solved, scale);
         if pass > 0 && pass <= ROLL_PASSES {
             let Timeline { body, anatomy, feet, dt, .. } = &mut timeline;
-            feet.ease_ankles(body, anatomy, &solved, *dt);
+            feet.ease_ankles(body, anatomy, &solved, &cop, *dt);
             held = contacts::held(&feet.contacts((count - 1) as f64 * *dt));
         }
         if pass > 0 {
