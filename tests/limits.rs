@@ -5,7 +5,7 @@
 
 use crate::limits_grid::{EIGHT, LIMITS, Measured, Sum, faults, grid, head, rigs, row, shove};
 use glam::DVec3;
-use surefoot::bake::{BakeOptions, Baked, bake};
+use surefoot::bake::{BakeOptions, Baked, RootMotion, bake};
 use surefoot::export::glb;
 use surefoot::model::Body;
 use surefoot::model::report::Outcome;
@@ -139,6 +139,19 @@ fn a_mirrored_push_gives_the_mirrored_clip() {
         }
     }
     assert!(seen >= 1, "the built-in rig is the same on both sides");
+}
+
+#[test]
+fn an_in_place_clip_is_measured_on_keys_and_not_on_the_poses_behind_them() {
+    let (_, rig) = rigs().remove(0);
+    let scenario = shove(&rig.body, 0.0, 60.0);
+    let told = |root| {
+        let options = BakeOptions { root, ..BakeOptions::default() };
+        bake(&rig, &scenario, &options).expect("the simulation holds").report.plausibility
+    };
+    let (with, without) = (told(RootMotion::Root), told(RootMotion::InPlace));
+    assert!(with.slip_max_mm > 0.01, "keys slip a little: {} mm", with.slip_max_mm);
+    assert_eq!(with.slip_max_mm, without.slip_max_mm, "the same motion");
 }
 
 #[test]

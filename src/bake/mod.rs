@@ -82,16 +82,23 @@ pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Bak
     let performance = perform(&body, scenario, seed)?;
     let name = options.name.clone().unwrap_or_else(|| safe_name(&scenario.title));
     let timeline = &performance.timeline;
-    let clip = keys::keyed_clip(&keys::KeyInput {
-        rig,
-        name: &name,
-        fps: options.fps,
-        duration: timeline.duration(),
-        pose: &|time| timeline.pose_at(time),
-        contacts: &performance.contacts,
-        root_motion: options.root,
-    });
-    let input = report::ReportInput { rig, clip: &clip, performance: &performance, scenario, seed, root: options.root };
+    let keyed = |root_motion: RootMotion| {
+        keys::keyed_clip(&keys::KeyInput {
+            rig,
+            name: &name,
+            fps: options.fps,
+            duration: timeline.duration(),
+            pose: &|time| timeline.pose_at(time),
+            contacts: &performance.contacts,
+            root_motion,
+        })
+    };
+    let clip = keyed(options.root);
+    // Feet of a clip without its travel slide by design: what can be measured is the same motion keyed with it.
+    let travelling = (options.root == RootMotion::InPlace).then(|| keyed(RootMotion::Root));
+    let measured = travelling.as_ref().unwrap_or(&clip);
+    let input =
+        report::ReportInput { rig, clip: measured, performance: &performance, scenario, seed, root: options.root };
     let (report, findings, warnings) = report::report(&input);
     Ok(Baked { clip, report, performance, findings, warnings })
 }

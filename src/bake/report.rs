@@ -1,7 +1,7 @@
 //! What a clip says about itself: the clip read back as a reader would, measured, and told in document space.
 //!
-//! Nothing is taken from the simulation that can be measured on the keys. Travel that `in-place` took out of the clip is
-//! not read back: there the poses that were keyed are measured instead, and a note says so.
+//! Nothing is taken from the simulation that can be measured on the keys. Of an `in-place` clip the same motion keyed with
+//! its travel is measured, and a note says so.
 
 use super::contacts::{self, FootContact};
 use super::perform::Performance;
@@ -20,7 +20,7 @@ const PER_FRAME: usize = 4;
 pub struct ReportInput<'a> {
     /// The rig that was baked on.
     pub rig: &'a Rig,
-    /// The keys.
+    /// The keys that are measured: the clip's own, with the travel where `root` took it out.
     pub clip: &'a Clip,
     /// The motion that they came from.
     pub performance: &'a Performance,
@@ -82,9 +82,6 @@ fn read_back(input: &ReportInput) -> Vec<BodyPose> {
     let hz = input.clip.fps * PER_FRAME as f64;
     let count = (input.clip.duration * hz + 1e-6).floor() as usize + 1;
     let times = (0..count).map(|sample| sample as f64 / hz);
-    if input.root == RootMotion::InPlace {
-        return times.map(|time| input.performance.timeline.pose_at(time)).collect();
-    }
     let mut sampler = input.rig.sampler(input.clip);
     times.map(|time| sampler.sample(time).pose()).collect()
 }
