@@ -325,7 +325,7 @@ pub fn contacts() -> Vec<FootContact> {
     let mut contacts = Vec::new();
     for side in Side::BOTH {
         let [ball, lift, land, flat] = STEPS[side as usize];
-        let plant = |z: f64| Plant { ankle: DVec3::new(0.1 * side.sign(), 0.0, z), yaw: 0.0 };
+        let plant = |z: f64| Plant::level(DVec3::new(0.1 * side.sign(), 0.0, z), 0.0);
         let spans = [
             (Part::Flat, 0.0, ball, 0.0),
             (Part::Ball, ball, lift, 0.0),

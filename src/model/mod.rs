@@ -12,6 +12,7 @@ mod scenario_later;
 mod scenario_reader;
 pub mod scenario_rules;
 pub mod scenario_text;
+pub mod terrain;
 
 pub use body::{Body, BodyJoint, FootShape, Segment, Side};
 pub use clip::{Channel, Clip, Interpolation, KeyValues, Target};
@@ -21,3 +22,4 @@ pub use report::ClipReport;
 pub use role::Role;
 pub use scenario::Scenario;
 pub use scenario_errors::{ScenarioErrors, ScenarioSource};
+pub use terrain::{Spot, Terrain};

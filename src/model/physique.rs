@@ -38,4 +38,13 @@ pub struct Plant {
     pub ankle: DVec3,
     /// rad, where the foot points, about +Y from +Z towards +X (left).
     pub yaw: f64,
+    /// Unit vector out of the ground under it.
+    pub normal: DVec3,
+}
+
+impl Plant {
+    /// On level ground.
+    pub fn level(ankle: DVec3, yaw: f64) -> Plant {
+        Plant { ankle, yaw, normal: DVec3::Y }
+    }
 }

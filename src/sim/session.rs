@@ -2,7 +2,8 @@
 //!
 //! A studio keeps a [`Session`] and pushes a live character; a bake calls [`simulate_pushes`] and gets the trace.
 
-use super::{TickState, Trace};
+use super::{Script, TickState, Trace};
+use crate::model::Terrain;
 use crate::stepper::{self, Inputs, Params, Physique, State, Style, TickOutput, ground};
 use glam::{DVec2, DVec3};
 
@@ -46,6 +47,7 @@ impl Default for SimulateOptions {
 pub struct Session {
     params: Params,
     physique: Physique,
+    terrain: Terrain,
     state: State,
     dt: f64,
     last: TickState,
@@ -53,18 +55,19 @@ pub struct Session {
 
 impl Session {
     /// At rest, the ankles' middle over the origin, facing +Z.
-    pub fn new(physique: &Physique, style: &Style, dt: f64) -> Session {
+    pub fn new(physique: &Physique, terrain: &Terrain, style: &Style, dt: f64) -> Session {
         let params = Params::new(physique, style);
         let state = State::standing(&params, physique, DVec2::ZERO, 0.0);
-        let mut session = Session { params, physique: *physique, state, dt, last: still(&state) };
-        session.last = session.record(&no_push());
+        let mut session =
+            Session { params, physique: *physique, terrain: terrain.clone(), state, dt, last: still(&state) };
+        session.last = session.record(&Inputs::default());
         session
     }
 
-    /// One tick under those pushes (those that are acting by their times).
-    pub fn step(&mut self, pushes: &[SessionPush]) -> TickOutput {
-        let inputs = acting(pushes, self.state.time, self.dt);
-        let output = stepper::tick(&self.params, &self.physique, &mut self.state, &inputs, self.dt);
+    /// One tick with that intent under those pushes (those that are acting by their times).
+    pub fn step(&mut self, intent: &Inputs, pushes: &[SessionPush]) -> TickOutput {
+        let inputs = acting(*intent, pushes, self.state.time, self.dt);
+        let output = stepper::tick(&self.params, &self.physique, &self.terrain, &mut self.state, &inputs, self.dt);
         self.last = self.record(&inputs);
         output
     }
@@ -89,9 +92,14 @@ impl Session {
     }
 }
 
-/// Runs to the end: the asked duration, and on until at rest (at most `extra` s); it stops where balance is lost.
+/// Runs a standing character on flat ground under pushes.
 pub fn simulate_pushes(physique: &Physique, pushes: &[SessionPush], options: &SimulateOptions) -> Trace {
-    let mut session = Session::new(physique, &options.style, options.dt);
+    simulate(physique, &Script::standing(pushes), options)
+}
+
+/// Runs to the end: the asked duration, and on until at rest (at most `extra` s); it stops where balance is lost.
+pub fn simulate(physique: &Physique, script: &Script, options: &SimulateOptions) -> Trace {
+    let mut session = Session::new(physique, &script.terrain, &options.style, options.dt);
     let start = session.state.feet;
     let planned = ticks_in(options.duration, options.dt);
     let most = planned + ticks_in(options.extra, options.dt);
@@ -103,7 +111,7 @@ pub fn simulate_pushes(physique: &Physique, pushes: &[SessionPush], options: &Si
         if ticks.len() > planned && session.state.rest >= settle && session.state.intent.is_none() {
             break;
         }
-        let output = session.step(pushes);
+        let output = session.step(&script.intent(session.state.time), &script.pushes);
         ticks.push(*session.tick_state());
         steps.extend(output.landed);
         if output.lost {
@@ -119,8 +127,8 @@ fn ticks_in(time: f64, dt: f64) -> usize {
 }
 
 /// The sum of what acts during the tick from `time`: a push that covers part of it counts by that part.
-fn acting(pushes: &[SessionPush], time: f64, dt: f64) -> Inputs {
-    let mut inputs = no_push();
+fn acting(intent: Inputs, pushes: &[SessionPush], time: f64, dt: f64) -> Inputs {
+    let mut inputs = intent;
     for push in pushes {
         let from = push.start.max(time);
         let to = (push.start + push.duration).min(time + dt);
@@ -130,10 +138,6 @@ fn acting(pushes: &[SessionPush], time: f64, dt: f64) -> Inputs {
         inputs.moment += (DVec3::Y * push.arm).cross(push.force) * share;
     }
     inputs
-}
-
-fn no_push() -> Inputs {
-    Inputs { force: DVec3::ZERO, moment: DVec3::ZERO, facing: 0.0 }
 }
 
 fn still(state: &State) -> TickState {

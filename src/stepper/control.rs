@@ -5,11 +5,18 @@ use super::support::{Support, Tread};
 use super::{Inputs, Params, Physique, State, Step, StepKind, Swing, TickOutput};
 use super::{balance::pressure, decide, ground, legs, support, swing};
 use crate::maths::pendulum::GRAVITY;
-use crate::model::Side;
+use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
 
 /// One tick of `dt` s. Does nothing once balance is lost.
-pub fn tick(params: &Params, physique: &Physique, state: &mut State, inputs: &Inputs, dt: f64) -> TickOutput {
+pub fn tick(
+    params: &Params,
+    physique: &Physique,
+    _terrain: &Terrain,
+    state: &mut State,
+    inputs: &Inputs,
+    dt: f64,
+) -> TickOutput {
     let mut output = TickOutput::default();
     if state.lost.is_some() {
         return output;

@@ -80,7 +80,7 @@ pub fn corrective(
             Passing::Behind => ankle -= ahead * (clear + before).max(0.0) * f64::from(clear > 0.0),
         }
     }
-    let plant = Plant { ankle: DVec3::new(ankle.x, 0.0, ankle.y), yaw: state.facing + side.sign() * physique.toe_out };
+    let plant = Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), state.facing + side.sign() * physique.toe_out);
     let across = (-(ankle - ground(stance.ankle)).dot(out)).max(0.0);
     let stands = Support::two(params, physique, [stance, &plant], [Tread::Whole; 2], params.margin);
     let xi = state.xi() + lean + shove / state.omega() - shove * (0.5 * more);
@@ -116,7 +116,7 @@ fn clearance(params: &Params, foot: f64, beside: f64) -> f64 {
 pub fn beside(params: &Params, physique: &Physique, state: &State, side: Side) -> Plant {
     let stance = ground(state.feet[side.other() as usize].ankle);
     let ankle = stance + state.aside() * (side.sign() * params.width);
-    Plant { ankle: DVec3::new(ankle.x, 0.0, ankle.y), yaw: state.facing + side.sign() * physique.toe_out }
+    Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), state.facing + side.sign() * physique.toe_out)
 }
 
 /// The point over which the body stands at ease on those two ankles.

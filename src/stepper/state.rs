@@ -4,6 +4,7 @@ use super::support::{Support, Tread};
 use super::{Params, Physique, Plant, Step, StepKind, ground, support};
 use crate::maths::pendulum;
 use crate::model::Side;
+use crate::model::scenario::Feet;
 use glam::{DVec2, DVec3};
 
 /// What acts on the character during a tick.
@@ -15,6 +16,19 @@ pub struct Inputs {
     pub moment: DVec3,
     /// rad, where the pelvis is wanted to point.
     pub facing: f64,
+    /// m/s, the velocity that is commanded, (x, z); `None` to stand.
+    pub walk: Option<DVec2>,
+    /// 0..1, 0.5 halves the leg's rest length.
+    pub crouch: f64,
+    /// The feet to stand on.
+    pub stand: Feet,
+}
+
+impl Default for Inputs {
+    /// To stand on both feet, undisturbed, facing +Z.
+    fn default() -> Inputs {
+        Inputs { force: DVec3::ZERO, moment: DVec3::ZERO, facing: 0.0, walk: None, crouch: 0.0, stand: Feet::Both }
+    }
 }
 
 /// How a swinging foot stands to the other leg.
@@ -137,7 +151,7 @@ impl State {
     pub fn standing(params: &Params, physique: &Physique, place: DVec2, facing: f64) -> State {
         let feet = Side::BOTH.map(|side| {
             let ankle = place + support::left(facing) * (side.sign() * 0.5 * params.width);
-            Plant { ankle: DVec3::new(ankle.x, 0.0, ankle.y), yaw: facing + side.sign() * physique.toe_out }
+            Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), facing + side.sign() * physique.toe_out)
         });
         let hold = |margin: f64| Support::two(params, physique, [&feet[0], &feet[1]], [Tread::Whole; 2], margin);
         let over = place + support::forward(facing) * params.com_forward;

@@ -185,7 +185,7 @@ mod tests {
     }
 
     fn foot(x: f64, z: f64, yaw: f64) -> Plant {
-        Plant { ankle: DVec3::new(x, 0.0, z), yaw }
+        Plant::level(DVec3::new(x, 0.0, z), yaw)
     }
 
     fn params(support: SupportModel) -> Params {

@@ -107,9 +107,9 @@ pub fn physique(body: &Body, anatomy: &Anatomy) -> Physique {
 
 /// Feet side by side under a centre of mass at the origin.
 pub fn natural_plants(stance_width: f64, com_forward: f64) -> [Plant; 2] {
-    Side::BOTH.map(|side| Plant {
-        ankle: DVec3::new(side.sign() * stance_width * 0.5, 0.0, -com_forward),
-        yaw: side.sign() * TOE_OUT,
+    Side::BOTH.map(|side| {
+        let ankle = DVec3::new(side.sign() * stance_width * 0.5, 0.0, -com_forward);
+        Plant::level(ankle, side.sign() * TOE_OUT)
     })
 }
 

@@ -2,6 +2,7 @@
 
 use divan::{Bencher, counter::ItemsCount};
 use glam::{DVec2, DVec3};
+use surefoot::model::Terrain;
 use surefoot::sim::{SessionPush, SimulateOptions, simulate_pushes};
 use surefoot::stepper::{Inputs, Params, Physique, State, Style, tick};
 
@@ -29,11 +30,11 @@ fn adult() -> Physique {
 fn standing(bencher: Bencher) {
     let body = adult();
     let params = Params::new(&body, &Style::default());
-    let still = Inputs { force: DVec3::ZERO, moment: DVec3::ZERO, facing: 0.0 };
+    let still = Inputs::default();
     let mut state = State::standing(&params, &body, DVec2::ZERO, 0.0);
     bencher
         .counter(ItemsCount::new(1_u32))
-        .bench_local(|| tick(&params, &body, &mut state, divan::black_box(&still), 0.01));
+        .bench_local(|| tick(&params, &body, &Terrain::flat(), &mut state, divan::black_box(&still), 0.01));
 }
 
 /// Four seconds of ticks: items a second are ticks a second.

@@ -1,0 +1,96 @@
+//! What a run is told: the ground, the disturbances, and the lanes of intent as the controller's inputs at a time.
+//!
+//! Scenario space, SI units. A lane's entry holds from its start until the next one's, or for its duration.
+
+use super::session::SessionPush;
+use crate::model::Terrain;
+use crate::model::scenario::{Crouch, Feet, Scenario, Stand, Turn, Walk};
+use crate::stepper::Inputs;
+use glam::DVec2;
+
+/// A timeline for a session.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Script {
+    /// What the character stands on.
+    pub terrain: Terrain,
+    /// What pushes it.
+    pub pushes: Vec<SessionPush>,
+    /// Where it means to walk.
+    pub walk: Vec<Walk>,
+    /// Where it means to turn.
+    pub turn: Vec<Turn>,
+    /// How low it means to go.
+    pub crouch: Vec<Crouch>,
+    /// What it means to stand on.
+    pub stand: Vec<Stand>,
+    /// 0..1, how low it goes where the lane says nothing.
+    pub crouched: f64,
+}
+
+impl Script {
+    /// Standing on flat ground, pushed.
+    pub fn standing(pushes: &[SessionPush]) -> Script {
+        Script {
+            terrain: Terrain::flat(),
+            pushes: pushes.to_vec(),
+            walk: Vec::new(),
+            turn: Vec::new(),
+            crouch: Vec::new(),
+            stand: Vec::new(),
+            crouched: 0.0,
+        }
+    }
+
+    /// The ground and the lanes of intent of a scenario; its disturbances are forces on a body that the caller knows.
+    pub fn of(scenario: &Scenario, pushes: Vec<SessionPush>) -> Script {
+        Script {
+            terrain: Terrain::new(&scenario.ground),
+            pushes,
+            walk: scenario.walk.clone(),
+            turn: scenario.turn.clone(),
+            crouch: scenario.crouch.clone(),
+            stand: scenario.stand.clone(),
+            crouched: scenario.character.crouch,
+        }
+    }
+
+    /// What is meant at a time, undisturbed. The latest of the walk and turn lanes that spoke rules the facing.
+    pub fn intent(&self, time: f64) -> Inputs {
+        let walk = current(&self.walk, |walk| (walk.start, walk.duration), time);
+        let spoken = last_begun(&self.walk, |walk| walk.start, time)
+            .map(|walk| (walk.start, walk.facing.unwrap_or(walk.heading)));
+        let turned = last_begun(&self.turn, |turn| turn.start, time).map(|turn| (turn.start, turn.facing));
+        let facing = match (spoken, turned) {
+            (Some(walk), Some(turn)) => {
+                if turn.0 >= walk.0 {
+                    turn.1
+                } else {
+                    walk.1
+                }
+            }
+            (Some(only), None) | (None, Some(only)) => only.1,
+            (None, None) => 0.0,
+        };
+        Inputs {
+            facing,
+            walk: walk.map(|walk| DVec2::new(walk.heading.sin(), walk.heading.cos()) * walk.speed),
+            crouch: current(&self.crouch, |crouch| (crouch.start, crouch.duration), time)
+                .map_or(self.crouched, |crouch| crouch.amount),
+            stand: current(&self.stand, |stand| (stand.start, stand.duration), time)
+                .map_or(Feet::Both, |stand| stand.on),
+            ..Inputs::default()
+        }
+    }
+}
+
+/// The entry that began last, over or not.
+fn last_begun<T>(lane: &[T], start: impl Fn(&T) -> f64, time: f64) -> Option<&T> {
+    lane.iter().filter(|entry| start(entry) <= time + 1e-9).max_by(|a, b| start(a).total_cmp(&start(b)))
+}
+
+/// The entry that began last and is not over.
+fn current<T>(lane: &[T], span: impl Fn(&T) -> (f64, Option<f64>), time: f64) -> Option<&T> {
+    let entry = last_begun(lane, |entry| span(entry).0, time)?;
+    let (start, duration) = span(entry);
+    duration.is_none_or(|duration| time < start + duration - 1e-9).then_some(entry)
+}
