@@ -334,3 +334,16 @@ fn a_sheet_is_drawn_of_a_baked_file_and_beside_a_bake() {
     shell.run("new rig -o hero.glb").exits(0);
     shell.run("sheet hero.glb -o b.png").exits(2).says(&["no clip"]);
 }
+
+#[test]
+fn a_plot_is_drawn_beside_a_bake_with_its_contacts_and_its_push() {
+    let shell = Shell::with(&[("shove.toml", SHOVE)]);
+    shell.run("bake builtin shove.toml -o a.glb --plot run.svg").exits(0);
+    let text = fs::read_to_string(shell.path("run.svg")).expect("SVG is text");
+    assert!(text.trim_end().ends_with("</svg>"));
+    for what in ["left foot", "right foot", "commanded", "centre of pressure", "250 N"] {
+        assert!(text.contains(what), "{what} is missing");
+    }
+    shell.run("bake builtin shove.toml -o b.glb --plot run.png").exits(2).says(&["end in .svg"]);
+    assert!(!shell.files().contains(&"b.glb".to_owned()));
+}

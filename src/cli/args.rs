@@ -54,6 +54,9 @@ pub struct BakeArgs {
     /// Also draw the clip as a contact sheet
     #[arg(long, value_name = "FILE.png", value_parser = png_path)]
     pub sheet: Option<PathBuf>,
+    /// Also draw the run: speed, centre of mass, ξ and pressure against the support, contacts, lanes
+    #[arg(long, value_name = "FILE.svg", value_parser = svg_path)]
+    pub plot: Option<PathBuf>,
     /// Name of the new clip; made from the scenario's title where left out
     #[arg(long, value_name = "NAME", value_parser = clip_name)]
     pub clip: Option<String>,
@@ -210,6 +213,10 @@ fn glb_path(text: &str) -> Result<PathBuf, String> {
 
 fn png_path(text: &str) -> Result<PathBuf, String> {
     with_ending(text, &["png"], "the picture is a PNG file: let its name end in .png")
+}
+
+fn svg_path(text: &str) -> Result<PathBuf, String> {
+    with_ending(text, &["svg"], "the plot is an SVG file: let its name end in .svg")
 }
 
 fn with_ending(text: &str, endings: &[&str], remedy: &str) -> Result<PathBuf, String> {

@@ -28,6 +28,7 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     let events = output.with_extension("events.json");
     let mut places: Vec<&Path> = vec![&output, &events];
     places.extend(args.sheet.as_deref());
+    places.extend(args.plot.as_deref());
 
     // Everything that can be wrong with the arguments is told before the work starts.
     let mut inputs: Vec<PathBuf> = Vec::new();
@@ -76,8 +77,12 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     if let Some(sheet) = &args.sheet {
         outputs.push(Output { path: sheet.clone(), bytes: parts::sheet(&rig, &baked.clip, &baked.report) });
     }
+    if let Some(plot) = &args.plot {
+        let bytes = crate::picture::clip_plot(&baked.performance, &scenario).into_bytes();
+        outputs.push(Output { path: plot.clone(), bytes });
+    }
     writer::write(&outputs, &inputs)?;
-    let places = Places { output: &output, events: &events, sheet: args.sheet.as_deref() };
+    let places = Places { output: &output, events: &events, sheet: args.sheet.as_deref(), plot: args.plot.as_deref() };
     say(&match args.json {
         true => as_json(&baked, &exported.name, Some(&places), &warnings),
         false => summary(&baked, &exported.name, &places, size),
@@ -90,6 +95,7 @@ struct Places<'a> {
     output: &'a Path,
     events: &'a Path,
     sheet: Option<&'a Path>,
+    plot: Option<&'a Path>,
 }
 
 /// One JSON object on one line.
@@ -99,6 +105,7 @@ fn as_json(baked: &Baked, name: &str, places: Option<&Places>, warnings: &[Strin
         "output": text(places.map(|places| places.output)),
         "events": text(places.map(|places| places.events)),
         "sheet": text(places.and_then(|places| places.sheet)),
+        "plot": text(places.and_then(|places| places.plot)),
         "clip": name,
         "warnings": warnings,
         "report": crate::export::events::report_json(name, &baked.report).unwrap_or_default(),
@@ -118,6 +125,9 @@ fn summary(baked: &Baked, name: &str, places: &Places, size: usize) -> String {
     line("events", format_args!("{}", places.events.display()));
     if let Some(sheet) = places.sheet {
         line("sheet", format_args!("{}", sheet.display()));
+    }
+    if let Some(plot) = places.plot {
+        line("plot", format_args!("{}", plot.display()));
     }
     line(
         "clip",

@@ -1,15 +1,17 @@
-//! Pictures as bytes: contact sheets, drawn on the CPU.
+//! Pictures as bytes: contact sheets, drawn on the CPU, and plots.
 //!
 //! [`sheet()`] shows a clip on its rig at the moments that tell, [`film`] at equal distances, [`stick_strip`] poses of a
 //! body alone, as capsules. Below them: [`skin`] poses a rig's mesh, [`compose`] lays out a page of [`Frame`]s,
-//! [`marks`] draws what is known of the balance, [`raster`] draws triangles.
+//! [`marks`] draws what is known of the balance, [`raster`] draws triangles. [`clip_plot()`] draws a run's curves by [`plot`].
 
+pub mod clip_plot;
 pub mod compose;
 pub mod figure;
 pub mod marks;
 pub mod moments;
 pub mod paint;
 pub mod plan;
+pub mod plot;
 pub mod raster;
 pub mod shadow;
 pub mod sheet;
@@ -17,6 +19,7 @@ pub mod skin;
 pub mod strip;
 pub mod text;
 
+pub use clip_plot::clip_plot;
 pub use compose::{Frame, Header, Layout, Trail};
 pub use marks::{Overlay, Push, SoleMark};
 pub use moments::{Moment, choose_moments, even_moments};
