@@ -10,8 +10,7 @@ use crate::maths::seed::Seed;
 use crate::measure::{KnownPush, PushPoint};
 use crate::model::scenario::{Character, Scenario};
 use crate::model::{Body, Role, Side};
-use crate::sim::session::{SessionPush, SimulateOptions, simulate_pushes};
-use crate::sim::{TickState, Trace};
+use crate::sim::{Script, SessionPush, SimulateOptions, TickState, Trace, simulate};
 use crate::stepper::{Physique, Style};
 use crate::whole_body::reaction::{Personality, Reaction, Senses, UpperAngles};
 use crate::whole_body::solve::Solved;
@@ -160,7 +159,7 @@ fn run(body: &Body, anatomy: &Anatomy, physique: &Physique, scenario: &Scenario,
         style: style(&scenario.character),
         ..SimulateOptions::default()
     };
-    simulate_pushes(physique, &pushes, &options)
+    simulate(physique, &Script::of(scenario, pushes), &options)
 }
 
 fn check(trace: &Trace) -> Result<(), BakeError> {
