@@ -111,7 +111,7 @@ pub struct FootShape {
     pub heel: f64,
     /// m, along `forward` from the ankle, levelled: the line over which the foot bends (the toe joint, or 0.72 of the sole).
     pub ball: f64,
-    /// m, along `forward` from the ankle, levelled: foremost point of the sole.
+    /// m, along `forward` from the ankle, levelled: foremost point of the sole; of a foot without toe joint the foremost that bears.
     pub tip: f64,
     /// m, half of the sole's width at the ball.
     pub half_width: f64,

@@ -276,6 +276,11 @@ fn crown(points: &[DVec3]) -> Option<f64> {
     Some(first.y)
 }
 
+/// Whether a joint under the head moves a part of the skull: a robot's eyes may be its highest part.
+fn in_skull(role: Role) -> bool {
+    matches!(role, Role::LeftEye | Role::RightEye | Role::Jaw)
+}
+
 /// The mesh by what it moves with.
 struct Skin {
     /// Place, and shares by mapped role.
@@ -285,8 +290,8 @@ struct Skin {
 struct SkinVertex {
     place: DVec3,
     shares: [(Option<Role>, f64); 4],
-    /// The share that hangs on the head's own node, not on hair or a hat under it.
-    head_itself: f64,
+    /// The share that hangs on the head's own node or on the eyes and the jaw, not on hair or a hat under it.
+    skull: f64,
 }
 
 impl Skin {
@@ -316,7 +321,13 @@ impl Skin {
             .map(|(place, weights)| SkinVertex {
                 place: *place,
                 shares: weights.map(|(node, weight)| (owners.get(node).copied().flatten(), weight)),
-                head_itself: weights.iter().filter(|(node, _)| Some(*node) == head).map(|entry| entry.1).sum(),
+                skull: weights
+                    .iter()
+                    .filter(|(node, _)| {
+                        Some(*node) == head || owners.get(*node).copied().flatten().is_some_and(in_skull)
+                    })
+                    .map(|entry| entry.1)
+                    .sum(),
             })
             .collect();
         Skin { vertices }
@@ -328,7 +339,11 @@ impl Skin {
     }
 
     fn head(&self, itself: bool) -> Vec<DVec3> {
-        let share = |vertex: &&SkinVertex| if itself { vertex.head_itself } else { vertex.share(Role::Head) } > 0.5;
+        let hung = |vertex: &SkinVertex| {
+            let of_head = |role: Role| role == Role::Head || in_skull(role);
+            vertex.shares.iter().filter(|entry| entry.0.is_some_and(of_head)).map(|entry| entry.1).sum()
+        };
+        let share = |vertex: &&SkinVertex| if itself { vertex.skull } else { hung(vertex) } > 0.5;
         self.vertices.iter().filter(share).map(|vertex| vertex.place).collect()
     }
 
@@ -464,6 +479,23 @@ mod tests {
         assert!((plain.body.height - 1.72).abs() < 1e-9, "{}", plain.body.height);
         assert!((adorned.body.height - 1.72).abs() < 1e-9, "{}", adorned.body.height);
         assert!((plain.body.mass - 23.0 * 1.72f64.powi(2)).abs() < 1e-9, "{}", plain.body.mass);
+    }
+
+    #[test]
+    fn eyes_over_the_head_are_of_its_height_and_hair_is_not() {
+        let mut roles = with_feet_and_hands();
+        roles.extend([Role::LeftEye, Role::RightEye]);
+        let found = bones(&roles);
+        let (head, eye) = (found[&Role::Head].0, found[&Role::LeftEye].0);
+        let skull = block(head, DVec3::new(-0.18, 1.45, -0.18), DVec3::new(0.18, 1.72, 0.18));
+        let box_eye = block(eye, DVec3::new(0.0, 1.6, -0.1), DVec3::new(0.35, 1.95, 0.25));
+        // Node 40 is hair: a leaf on the head.
+        let mut parents = vec![None; 64];
+        parents[40] = Some(head);
+        let hair = block(40, DVec3::new(-0.1, 1.6, -0.2), DVec3::new(0.1, 2.1, 0.0));
+        let derived =
+            derive(&BodyInput { bones: &found, mesh: &[skull, box_eye, hair], parents: &parents, mass: None });
+        assert!((derived.body.height - 1.95).abs() < 1e-9, "{}", derived.body.height);
     }
 
     #[test]

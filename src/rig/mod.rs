@@ -26,6 +26,7 @@ pub mod overrides;
 mod sampler;
 mod segments;
 mod sole;
+mod sole_frame;
 mod sole_plane;
 pub mod space;
 pub mod vrm;
