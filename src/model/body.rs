@@ -54,6 +54,9 @@ pub struct Body {
     pub height: f64,
     /// m, mean over both legs of hip to knee plus knee to ankle.
     pub leg_length: f64,
+    /// m, left and right, from the middle plane at rest: how far out the middle of a hanging hand must be to clear the
+    /// hips, the thighs and what they wear. 0 without a mesh.
+    pub flanks: [f64; 2],
 }
 
 /// One joint of the body.
