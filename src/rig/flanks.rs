@@ -36,7 +36,7 @@ fn flank(mesh: &[MeshPart], skin: &Skin, places: &BTreeMap<Role, DVec3>, side: S
     let (down, ahead) = (shoulder.y - HANG.0 * arm, shoulder.z + HANG.1 * arm);
     // Side by side with the fingers' roots, not their tips: those curl in under a skirt's hem and over a thigh.
     let low = DVec3::new(0.0, down - 0.6 * HAND * forearm, ahead - HALF_DEPTH * forearm);
-    let high = DVec3::new(f64::INFINITY, down + 0.1 * forearm, ahead + HALF_DEPTH * forearm);
+    let high = DVec3::new(0.0, down + 0.1 * forearm, ahead + HALF_DEPTH * forearm);
     let mut reach: Option<f64> = None;
     for part in mesh {
         let place = |vertex: u32| {
@@ -71,18 +71,12 @@ fn half_hand(skin: &Skin, side: Side) -> Option<f64> {
     Some(0.5 * (high - low).min_element())
 }
 
-/// The corners of what lies between two corners of a box (Sutherland and Hodgman).
+/// The corners of what lies in a box that is open towards +X (Sutherland and Hodgman).
 fn clipped(triangle: [DVec3; 3], low: DVec3, high: DVec3) -> Vec<DVec3> {
     let mut corners = triangle.to_vec();
-    let sides: [(fn(DVec3) -> f64, f64, f64); 5] = [
-        (|p| p.x, 1.0, low.x),
-        (|p| p.y, 1.0, low.y),
-        (|p| p.y, -1.0, high.y),
-        (|p| p.z, 1.0, low.z),
-        (|p| p.z, -1.0, high.z),
-    ];
+    let sides = [(0, 1.0, low.x), (1, 1.0, low.y), (1, -1.0, high.y), (2, 1.0, low.z), (2, -1.0, high.z)];
     for (axis, sign, bound) in sides {
-        let inside = |point: DVec3| sign * (axis(point) - bound);
+        let inside = |point: DVec3| sign * (point[axis] - bound);
         let mut kept = Vec::with_capacity(corners.len() + 1);
         for (index, &here) in corners.iter().enumerate() {
             let before = corners[(index + corners.len() - 1) % corners.len()];

@@ -47,7 +47,7 @@ pub(super) fn widening(lengths: [f64; 2], shoulder: f64, flank: f64) -> f64 {
         let lower = upper * DQuat::from_rotation_x(-relaxed.elbow);
         shoulder + (upper * DVec3::NEG_Y * lengths[0] + lower * DVec3::NEG_Y * lengths[1]).x
     };
-    if !(lengths[0] + lengths[1] > 1e-6) || wrist(0.0) >= flank || wrist(MOST_WIDENING) < flank {
+    if wrist(0.0) >= flank || wrist(MOST_WIDENING) < flank {
         return 0.0;
     }
     let (mut low, mut high) = (0.0, MOST_WIDENING);
