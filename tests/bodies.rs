@@ -207,7 +207,12 @@ fn a_bevelled_shoe_ends_where_it_bears() {
             levelled.x * foot.forward.x + levelled.z * foot.forward.y
         });
         let most = bearing.fold(0.0, f64::max);
-        assert!((foot.tip - most).abs() < 0.002, "the tip is at {:.4}, the sole bears to {most:.4}", foot.tip);
+        // Between them lies the bevel, which 45 degrees of pitch bring down.
+        assert!(
+            (0.0..0.008).contains(&(foot.tip - most)),
+            "the tip is at {:.4}, the sole bears to {most:.4}",
+            foot.tip
+        );
     }
 }
 
