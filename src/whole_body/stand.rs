@@ -69,6 +69,7 @@ pub fn flat_foot(body: &Body, side: Side, plant: &Plant) -> FootTarget {
         toe: turn * shape.toe_level,
         yaw: plant.yaw,
         soft: 0.0,
+        bend: None,
     }
 }
 
