@@ -23,6 +23,8 @@ const LEAD: f64 = 0.05;
 
 /// rad, dorsiflexion past which the heel comes up: a little inside of the ankle's range of 30 degrees.
 const DORSIFLEXION: f64 = 26.0 * std::f64::consts::PI / 180.0;
+/// rad, the same of a walker, whose heel leaves sooner.
+const WALKING_DORSIFLEXION: f64 = 13.0 * std::f64::consts::PI / 180.0;
 /// s, the longest that a foot stays on its ball after landing: longer, and the weight behind it has nothing to stand on.
 const LONGEST_SETTLE: f64 = 0.16;
 /// Part of the way from ankle to ball that the pressure must be past before the heel may rise early.
@@ -64,6 +66,7 @@ struct Swing {
     peak_after: f64,
     peak: f64,    // rad, largest pitch, a little after lift
     strike: f64,  // rad, pitch at landing: below 0 heel first, over 0 ball first
+    walks: bool,  // one of the gait
     onward: bool, // it goes forwards: the weight is on the ball before it leaves
     clearance: f64,
     aside: DVec3, // horizontal detour at mid-swing, m
@@ -138,9 +141,10 @@ impl FootCurves {
                     let time = index as f64 * dt;
                     let forwards = lean(index, swing.from.yaw);
                     let pitch = swing.pitch(time);
-                    if swing.onward && ahead(index, &swing.from) > 0.0 && forwards - pitch > DORSIFLEXION {
+                    let most = if swing.walks { WALKING_DORSIFLEXION } else { DORSIFLEXION };
+                    if swing.onward && ahead(index, &swing.from) > 0.0 && forwards - pitch > most {
                         swing.heel_off = swing.heel_off.max((swing.lift - time + 0.05).min(swing.lift - before));
-                        swing.peak = swing.peak.max((forwards - DORSIFLEXION + 0.10).min(MOST_PITCH));
+                        swing.peak = swing.peak.max((forwards - most + 0.10).min(MOST_PITCH));
                     }
                 }
                 // The leg lands as its shank leans: reaching ahead heel first, under the body flat, behind it ball first.
@@ -383,6 +387,7 @@ impl Swing {
             heel_off,
             settle,
             peak_after,
+            walks,
             onward: forward > 0.1,
             peak: peak.to_radians().min(fastest / scale.max(1.0) * (heel_off + peak_after)),
             strike: strike.to_radians(),
