@@ -164,12 +164,13 @@ fn summary(baked: &Baked, name: &str, places: &Places, size: usize) -> String {
     line(
         "plausible",
         format_args!(
-            "{:.2}: ZMP inside {:.1} % (p95 {:.1} cm out), slip {:.2} mm, penetration {:.1} mm, peak ankle {:.1} m/s, speed ratio {:.2}",
+            "{:.2}: ZMP inside {:.1} % (p95 {:.1} cm out), slip {:.2} mm, penetration {:.1} mm, friction needed {:.2}, peak ankle {:.1} m/s, speed ratio {:.2}",
             measured.score,
             measured.zmp_inside * 100.0,
             measured.zmp_outside_p95_cm,
             measured.slip_max_mm,
             measured.penetration_max_mm,
+            measured.friction_p99,
             measured.peak_ankle_speed,
             measured.speed_ratio
         ),
