@@ -65,7 +65,7 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         return Ok(Exit::Refused);
     }
 
-    let exported = parts::exported(&rig, &baked)?;
+    let exported = parts::exported(&rig, &baked, args.props)?;
     for change in &exported.changes {
         warn(change.clone());
     }

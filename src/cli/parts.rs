@@ -60,11 +60,11 @@ pub struct Exported {
     pub changes: Vec<String>,
 }
 
-/// Makes the files of a baked clip.
-pub fn exported(rig: &Rig, baked: &Baked) -> Result<Exported, Failure> {
+/// Makes the files of a baked clip; `with_props`: the things beside the body too.
+pub fn exported(rig: &Rig, baked: &Baked, with_props: bool) -> Result<Exported, Failure> {
     let failed = |error: export::ExportError| Failure::failed(error.to_string());
     let clips = [(baked.clip.clone(), baked.report.clone())];
-    let file = export::glb(rig, &clips).map_err(failed)?;
+    let file = export::glb_with_props(rig, &clips, if with_props { &baked.props } else { &[] }).map_err(failed)?;
     let name = file.names.into_iter().next().unwrap_or_else(|| baked.clip.name.clone());
     let events = export::events_json([(name.as_str(), &baked.report)]).map_err(failed)?;
     Ok(Exported { glb: file.bytes, events, name, changes: file.changes })

@@ -28,8 +28,13 @@ pub fn depth(terrain: &Terrain, time: f64, point: DVec3) -> f64 {
     let under = (spot.height - point.y) * spot.normal.y;
     match terrain.kind {
         // Out of the front of a riser it is no farther than to the edge.
-        GroundKind::Stairs { rise, tread, count } if under > 0.0 && at.y > terrain::FIRST => {
+        GroundKind::Stairs { rise, tread, count } if under > 0.0 && (at.y > terrain::FIRST || rise < 0.0) => {
             let steps = ((at.y - terrain::FIRST) / tread).floor().clamp(0.0, f64::from(count.saturating_sub(1)));
+            if rise < 0.0 {
+                // Behind the edge of a stair that goes down.
+                let next = (steps as u32 + u32::from(at.y > terrain::FIRST)..count).find(|step| rise * f64::from(step + 1) < point.y);
+                return next.map_or(under, |step| under.min(terrain::FIRST + f64::from(step) * tread - at.y));
+            }
             let inside = (0..=steps as u32).rev().take_while(|step| point.y < rise * f64::from(step + 1)).last();
             let edge = inside.map_or(at.y, |step| terrain::FIRST + f64::from(step) * tread);
             under.min(at.y - edge)
@@ -109,6 +114,11 @@ mod tests {
         assert!((deep(0.10, 1.32) - 0.24).abs() < 1e-12, "under the second tread and past the first riser");
         assert!((deep(0.10, 1.32 - 0.30) - 0.02).abs() < 1e-12);
         assert!(deep(0.20, 1.25) < 0.0 && deep(0.52, 9.0) < 0.0 && (deep(0.50, 9.0) - 0.01).abs() < 1e-12);
+        let down = ground(GroundKind::Stairs { rise: -0.17, tread: 0.3, count: 3 });
+        let deep = |y, z| depth(&down, 0.0, dvec3(0.0, y, z));
+        assert!((deep(-0.10, 0.98) - 0.02).abs() < 1e-12, "2 cm behind the first edge");
+        assert!((deep(-0.20, 1.29) - 0.01).abs() < 1e-12 && (deep(-0.18, 1.1) - 0.01).abs() < 1e-12);
+        assert!((deep(-0.60, 1.1) - 0.43).abs() < 1e-12, "under all of them");
         let gaps = ground(GroundKind::Gaps { width: 0.2, spacing: 1.0 });
         assert!(depth(&gaps, 0.0, dvec3(0.0, -0.1, 1.1)) < 0.0, "a foot may hang into a gap");
         assert!((depth(&gaps, 0.0, dvec3(0.0, -0.1, 1.21)) - 0.01).abs() < 1e-12);
