@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use surefoot::model::{Body, Side};
 use surefoot::rig::mannequin::{BUILTIN, MannequinOptions, mannequin};
 use surefoot::rig::{Rig, load, load_bytes};
+use surefoot::whole_body::Anatomy;
 
 fn data() -> Option<PathBuf> {
     let folder = std::env::var_os("SUREFOOT_DATA")
@@ -178,4 +179,44 @@ fn other_heights_and_legs_come_out_as_asked() {
     assert!((tall.body.mass - 70.0).abs() < 1e-9, "{}", tall.body.mass);
     let odd = built_in(&mannequin(&MannequinOptions { height: f64::NAN, leg_scale: -1.0, mass: Some(f64::NAN) }));
     check("odd options", &odd);
+}
+
+/// The rig of a file, where the data folder is there.
+fn real(name: &str) -> Option<Rig> {
+    let Some(data) = data() else {
+        println!("skipped: no data folder");
+        return None;
+    };
+    Some(load(&data.join("rigs").join(name)).unwrap_or_else(|error| panic!("{name}: {error}")))
+}
+
+#[test]
+fn a_robots_eyes_are_of_its_height_and_hair_knots_are_not() {
+    let (Some(robot), Some(girl)) = (real("vrm1_debug_robot.vrm"), real("godette_vrm0.vrm")) else { return };
+    assert!((robot.body.height - 2.23).abs() < 0.01, "{}", robot.body.height);
+    assert!((girl.body.height - 1.387).abs() < 0.01, "{}", girl.body.height);
+}
+
+#[test]
+fn a_bevelled_shoe_ends_where_it_bears() {
+    let Some(rig) = real("khronos_CesiumMan.gltf") else { return };
+    for foot in &rig.body.feet {
+        let over = |point: &DVec3| (foot.level * *point).y + foot.ankle_height;
+        let bearing = foot.front_sole.iter().filter(|point| over(point) < 0.001).map(|point| {
+            let levelled = foot.level * *point;
+            levelled.x * foot.forward.x + levelled.z * foot.forward.y
+        });
+        let most = bearing.fold(0.0, f64::max);
+        assert!((foot.tip - most).abs() < 0.002, "the tip is at {:.4}, the sole bears to {most:.4}", foot.tip);
+    }
+}
+
+#[test]
+fn wide_clothes_spread_the_arms_and_narrow_hips_do_not() {
+    let spread = |name: &str| real(name).map(|rig| Anatomy::new(&rig.body).arms.map(|arm| arm.widen.to_degrees()));
+    let Some([left, right]) = spread("godette_vrm0.vrm") else { return };
+    assert!((5.0..20.0).contains(&left) && left == right, "shorts that stand off: {left} and {right}");
+    for name in ["m2m_human_male.glb", "gdquest_mannequiny.glb", "sketchbook_boxman.glb"] {
+        assert_eq!(spread(name), Some([0.0; 2]), "{name}");
+    }
 }

@@ -12,25 +12,9 @@ use surefoot::stepper::{Params, Physique, StepKind, Style, SupportModel, Trigger
 const START: f64 = 0.3;
 const LENGTH: f64 = 0.2;
 
-fn adult() -> Physique {
-    Physique {
-        mass: 89.5,
-        com_height: 0.96,
-        leg_length: 0.83,
-        hip_height: 0.90,
-        ankle_height: 0.08,
-        stance_width: 0.18,
-        com_forward: 0.045,
-        toe_out: 0.1,
-        heel: -0.07,
-        tip: 0.18,
-        half_width: 0.045,
-    }
-}
-
 /// The same body, lengths times `size`, mass times `mass`.
 fn scaled(size: f64, mass: f64) -> Physique {
-    let body = adult();
+    let body = Physique::REFERENCE;
     Physique {
         mass: body.mass * mass,
         com_height: body.com_height * size,
@@ -56,7 +40,7 @@ fn push(degrees: f64, impulse: f64) -> SessionPush {
 }
 
 fn pushed(degrees: f64, impulse: f64) -> Trace {
-    simulate_pushes(&adult(), &[push(degrees, impulse)], &SimulateOptions::default())
+    simulate_pushes(&Physique::REFERENCE, &[push(degrees, impulse)], &SimulateOptions::default())
 }
 
 fn recovered(trace: &Trace) -> bool {
@@ -86,12 +70,17 @@ fn area(params: &Params, body: &Physique, tick: &TickState) -> Support {
 fn speed_ratio(trace: &Trace, degrees: f64, impulse: f64) -> f64 {
     let until = ((START + LENGTH + 0.3) / trace.dt).round() as usize;
     let along = trace.ticks.iter().take(until + 1).map(|tick| tick.velocity.dot(toward(degrees)));
-    along.fold(0.0, f64::max) / (impulse / adult().mass)
+    along.fold(0.0, f64::max) / (impulse / Physique::REFERENCE.mass)
 }
 
 #[test]
 fn stands_for_a_minute_without_moving_by_a_bit() {
-    for body in [adult(), scaled(0.55, 0.3), scaled(1.7, 4.0), Physique { stance_width: 0.1, ..adult() }] {
+    for body in [
+        Physique::REFERENCE,
+        scaled(0.55, 0.3),
+        scaled(1.7, 4.0),
+        Physique { stance_width: 0.1, ..Physique::REFERENCE },
+    ] {
         for support in [SupportModel::Soles, SupportModel::Circles] {
             let style = Style { support, ..Style::default() };
             let options = SimulateOptions { duration: 60.0, extra: 0.0, style, ..SimulateOptions::default() };
@@ -126,7 +115,7 @@ fn recovers_from_the_papers_pushes_and_an_adult_from_most() {
             let (degrees, start) = (seed.between(0.0, 360.0), seed.between(0.0, 1.0));
             let push = SessionPush { start, duration, force: toward(degrees) * force, arm: 0.0 };
             let options = SimulateOptions { duration: start + duration, style, ..SimulateOptions::default() };
-            let trace = simulate_pushes(&adult(), &[push], &options);
+            let trace = simulate_pushes(&Physique::REFERENCE, &[push], &options);
             stood += u32::from(recovered(&trace));
             steps += if recovered(&trace) { trace.steps.len() } else { 0 };
         }
@@ -147,7 +136,7 @@ fn recovers_from_the_papers_pushes_and_an_adult_from_most() {
 #[test]
 fn a_push_that_no_adult_withstands_is_lost_and_the_run_ends_there() {
     let long = SessionPush { duration: 0.5, force: toward(90.0) * 500.0, ..push(90.0, 0.0) };
-    let trace = simulate_pushes(&adult(), &[long], &SimulateOptions::default());
+    let trace = simulate_pushes(&Physique::REFERENCE, &[long], &SimulateOptions::default());
     let lost = trace.lost.expect("250 Ns from the side throws an ordinary adult");
     assert!((lost - (trace.ticks.len() - 1) as f64 * trace.dt).abs() < 1e-9 && trace.rest == 0.0);
 }
@@ -195,7 +184,7 @@ fn the_speed_stays_near_impulse_over_mass() {
 
 #[test]
 fn pressure_stays_under_the_feet_and_moves_without_a_jump() {
-    let (body, style) = (adult(), Style::default());
+    let (body, style) = (Physique::REFERENCE, Style::default());
     let params = Params::new(&body, &style);
     for (degrees, impulse, trace) in grid() {
         for pair in trace.ticks.windows(2) {
@@ -257,7 +246,7 @@ fn a_mirrored_push_gives_the_mirrored_trace() {
         let run = |degrees: f64, lead: Side| {
             let style = Style { lead, ..Style::default() };
             simulate_pushes(
-                &adult(),
+                &Physique::REFERENCE,
                 &[push(degrees, impulse)],
                 &SimulateOptions { style, ..SimulateOptions::default() },
             )
@@ -303,7 +292,11 @@ fn a_body_of_another_size_and_mass_moves_alike() {
 #[test]
 fn leans_against_a_pull_that_lasts_and_straightens_after_it() {
     let pull = SessionPush { start: 0.2, duration: 6.0, force: toward(180.0) * 60.0, arm: 0.0 };
-    let trace = simulate_pushes(&adult(), &[pull], &SimulateOptions { duration: 9.0, ..SimulateOptions::default() });
+    let trace = simulate_pushes(
+        &Physique::REFERENCE,
+        &[pull],
+        &SimulateOptions { duration: 9.0, ..SimulateOptions::default() },
+    );
     let at = |time: f64| trace.ticks[(time / trace.dt).round() as usize];
     let lean = at(6.0).com.z - at(6.0).cop.y;
     let wanted = 60.0 * 0.96 / (89.5 * 9.81);
@@ -317,7 +310,7 @@ fn leans_against_a_pull_that_lasts_and_straightens_after_it() {
 fn a_high_push_moves_the_body_a_little_more_than_one_at_its_centre() {
     let low = pushed(0.0, 60.0);
     let high = SessionPush { arm: 0.29, ..push(0.0, 60.0) };
-    let high = simulate_pushes(&adult(), &[high], &SimulateOptions::default());
+    let high = simulate_pushes(&Physique::REFERENCE, &[high], &SimulateOptions::default());
     let (low, high) = (speed_ratio(&low, 0.0, 60.0), speed_ratio(&high, 0.0, 60.0));
     assert!(high > low * 1.02 && high < low * 1.2, "{low} {high}");
 }
@@ -325,13 +318,13 @@ fn a_high_push_moves_the_body_a_little_more_than_one_at_its_centre() {
 #[test]
 fn odd_bodies_and_pushes_break_nothing() {
     let odd = [
-        Physique { mass: 0.0, ..adult() },
-        Physique { leg_length: 0.0, ..adult() },
-        Physique { com_height: 0.0, ..adult() },
-        Physique { heel: 0.0, tip: 0.0, half_width: 0.0, ..adult() },
-        Physique { com_forward: f64::NAN, ..adult() },
-        Physique { stance_width: 0.0, ..adult() },
-        Physique { leg_length: 0.3, com_height: 1.2, hip_height: 0.4, ..adult() },
+        Physique { mass: 0.0, ..Physique::REFERENCE },
+        Physique { leg_length: 0.0, ..Physique::REFERENCE },
+        Physique { com_height: 0.0, ..Physique::REFERENCE },
+        Physique { heel: 0.0, tip: 0.0, half_width: 0.0, ..Physique::REFERENCE },
+        Physique { com_forward: f64::NAN, ..Physique::REFERENCE },
+        Physique { stance_width: 0.0, ..Physique::REFERENCE },
+        Physique { leg_length: 0.3, com_height: 1.2, hip_height: 0.4, ..Physique::REFERENCE },
     ];
     let pushes = [push(45.0, 60.0), push(0.0, f64::INFINITY), push(0.0, f64::NAN), push(10.0, 1e9)];
     for body in odd {
@@ -342,5 +335,5 @@ fn odd_bodies_and_pushes_break_nothing() {
         }
     }
     let never = SimulateOptions { duration: f64::NAN, extra: 0.0, ..SimulateOptions::default() };
-    assert_eq!(simulate_pushes(&adult(), &[], &never).ticks.len(), 1);
+    assert_eq!(simulate_pushes(&Physique::REFERENCE, &[], &never).ticks.len(), 1);
 }

@@ -61,7 +61,7 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         com: ticks.iter().map(|tick| DVec3::new(tick.com.x, physique.com_height, tick.com.z)).collect(),
         shift: vec![DVec3::ZERO; count],
         lowering: vec![0.0; count],
-        upper: upper_body(ticks, trace.dt, &physique, seed, scenario.character.style.arms),
+        upper: upper_body(ticks, trace.dt, &physique, seed, scenario),
         feet: feet::FootCurves::new(body, &physique, &trace.start, &trace.steps, still_until, scale),
         terrain: Terrain::new(&scenario.ground),
     };
@@ -177,7 +177,7 @@ fn check(trace: &Trace) -> Result<(), BakeError> {
     Ok(())
 }
 
-fn upper_body(ticks: &[TickState], dt: f64, physique: &Physique, seed: u64, arms_dial: f64) -> Vec<UpperAngles> {
+fn upper_body(ticks: &[TickState], dt: f64, physique: &Physique, seed: u64, scenario: &Scenario) -> Vec<UpperAngles> {
     let mut draw = Seed::new(seed);
     let mut one = || draw.between(-1.0, 1.0);
     let personality = Personality {
@@ -188,17 +188,20 @@ fn upper_body(ticks: &[TickState], dt: f64, physique: &Physique, seed: u64, arms
         head_gain: one(),
         elbow: one(),
     };
-    let mut reaction = Reaction::new(physique, personality, arms_dial);
-    let senses = |tick: &TickState| Senses {
+    let mut reaction = Reaction::new(physique, personality, scenario.character.style.arms);
+    let script = Script::of(scenario, Vec::new());
+    let senses = |tick: &TickState, time: f64| Senses {
         acceleration: tick.acceleration,
         push: tick.push,
         push_moment: tick.push_moment,
         xi: tick.xi,
+        velocity: DVec2::new(tick.velocity.x, tick.velocity.z),
+        wanted: script.intent(time).walk.unwrap_or(DVec2::ZERO),
         feet: tick.feet,
         planted: tick.planted,
         facing: tick.facing,
     };
-    ticks.iter().map(|tick| reaction.tick(&senses(tick), dt)).collect()
+    ticks.iter().enumerate().map(|(index, tick)| reaction.tick(&senses(tick, index as f64 * dt), dt)).collect()
 }
 
 /// The stepper's dials from the scenario's.

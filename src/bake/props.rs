@@ -127,8 +127,8 @@ fn slope(patch: Patch, grade: f64) -> Mesh {
 /// A net over rolling ground with the terrain's own normals, and a rim.
 fn rolling(terrain: &Terrain, patch: Patch, wavelength: f64) -> Mesh {
     let size = patch.high - patch.low;
-    // A chord over 1/20 of a wave of 5 cm is 0.6 mm off.
-    let cells = (size / (wavelength / 20.0).clamp(0.02, 0.25)).ceil().clamp(DVec2::ONE, DVec2::splat(MOST_CELLS));
+    // A chord over 1/14 of a wave of 5 cm is about 1 mm off.
+    let cells = (size / (wavelength / 14.0).clamp(0.02, 0.25)).ceil().clamp(DVec2::ONE, DVec2::splat(MOST_CELLS));
     let (columns, rows) = (cells.x as u32, cells.y as u32);
     let at = |column: u32, row: u32| patch.low + size * DVec2::new(f64::from(column), f64::from(row)) / cells;
     let mut mesh = Mesh::default();
@@ -261,7 +261,8 @@ mod tests {
 
     #[test]
     fn a_platforms_keys_follow_its_turn() {
-        let wave = |at: f64| (0..7).map(|s| [f64::from(s) * 0.5, at * f64::from(s * (6 - s)) / 9.0]).collect::<Vec<_>>();
+        let wave =
+            |at: f64| (0..7).map(|s| [f64::from(s) * 0.5, at * f64::from(s * (6 - s)) / 9.0]).collect::<Vec<_>>();
         let (terrain, platform) = prop(GroundKind::Platform { pitch: wave(0.3), roll: wave(-0.5) });
         let worst = (0..3000)
             .map(|ms| f64::from(ms) * 1e-3)

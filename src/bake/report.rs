@@ -9,7 +9,7 @@ use super::root_motion::RootMotion;
 use crate::measure::{Findings, Frame, KnownPush, Motion, PushPoint, measure_on};
 use crate::model::report::{Assist, BodyReport, Contact, Disturbance, Event, Outcome, Plausibility};
 use crate::model::scenario::Scenario;
-use crate::model::{BodyPose, Clip, ClipReport, Side};
+use crate::model::{Body, BodyPose, Clip, ClipReport, Side};
 use crate::rig::Rig;
 
 /// Samples a frame (DESIGN, "Measures").
@@ -45,6 +45,8 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
     if input.root == RootMotion::InPlace {
         plausibility.notes.push("measured with the travel that in-place leaves out".into());
     }
+    let footless = footless(body, findings.as_ref());
+    plausibility.notes.extend(footless.clone());
     let duration = input.clip.duration;
     let steps = performance.trace.steps.iter().filter(|step| step.land <= duration).count() as u32;
     let outcome = outcome(performance, findings.as_ref(), steps, duration);
@@ -75,8 +77,16 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
         assist: Assist::default(),
         plausibility,
     };
-    let warnings = warnings(input, outcome);
+    let mut warnings = warnings(input, outcome);
+    warnings.extend(footless);
     (report, findings, warnings)
+}
+
+/// What a rig without foot bones costs, said where it costs something.
+fn footless(body: &Body, findings: Option<&Findings>) -> Option<String> {
+    let slip = findings?.feet.slip_max_mm;
+    let lacks = body.feet.iter().any(|foot| !body.joints[foot.ankle].animated);
+    lacks.then(|| format!("this rig has no feet; soles turn with the shank: contacts slip by up to {slip:.0} mm"))
 }
 
 /// Poses at `PER_FRAME` times the clip's rate, from the keys.

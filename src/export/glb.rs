@@ -30,11 +30,7 @@ pub fn glb(rig: &Rig, clips: &[(Clip, ClipReport)]) -> Result<ExportedGlb, Expor
 }
 
 /// The same with things beside the body, which move as they say in every clip.
-pub fn glb_with_props(
-    rig: &Rig,
-    clips: &[(Clip, ClipReport)],
-    props: &[Prop],
-) -> Result<ExportedGlb, ExportError> {
+pub fn glb_with_props(rig: &Rig, clips: &[(Clip, ClipReport)], props: &[Prop]) -> Result<ExportedGlb, ExportError> {
     for (clip, _) in clips {
         check(rig, clip)?;
     }

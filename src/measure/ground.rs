@@ -32,7 +32,8 @@ pub fn depth(terrain: &Terrain, time: f64, point: DVec3) -> f64 {
             let steps = ((at.y - terrain::FIRST) / tread).floor().clamp(0.0, f64::from(count.saturating_sub(1)));
             if rise < 0.0 {
                 // Behind the edge of a stair that goes down.
-                let next = (steps as u32 + u32::from(at.y > terrain::FIRST)..count).find(|step| rise * f64::from(step + 1) < point.y);
+                let next = (steps as u32 + u32::from(at.y > terrain::FIRST)..count)
+                    .find(|step| rise * f64::from(step + 1) < point.y);
                 return next.map_or(under, |step| under.min(terrain::FIRST + f64::from(step) * tread - at.y));
             }
             let inside = (0..=steps as u32).rev().take_while(|step| point.y < rise * f64::from(step + 1)).last();

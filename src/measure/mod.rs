@@ -8,6 +8,7 @@ pub mod dynamics;
 pub mod feet;
 #[cfg(test)]
 pub(crate) mod fixture;
+pub mod gait;
 pub mod ground;
 pub mod joints;
 pub mod outcome;

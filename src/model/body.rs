@@ -54,6 +54,9 @@ pub struct Body {
     pub height: f64,
     /// m, mean over both legs of hip to knee plus knee to ankle.
     pub leg_length: f64,
+    /// m, left and right, from the middle plane at rest: how far out the middle of a hanging hand must be to clear the
+    /// hips, the thighs and what they wear. 0 without a mesh.
+    pub flanks: [f64; 2],
 }
 
 /// One joint of the body.
@@ -111,7 +114,7 @@ pub struct FootShape {
     pub heel: f64,
     /// m, along `forward` from the ankle, levelled: the line over which the foot bends (the toe joint, or 0.72 of the sole).
     pub ball: f64,
-    /// m, along `forward` from the ankle, levelled: foremost point of the sole.
+    /// m, along `forward` from the ankle, levelled: foremost point of the sole; of a foot without toe joint the foremost that bears.
     pub tip: f64,
     /// m, half of the sole's width at the ball.
     pub half_width: f64,

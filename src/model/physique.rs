@@ -48,3 +48,20 @@ impl Plant {
         Plant { ankle, yaw, normal: DVec3::Y }
     }
 }
+
+impl Physique {
+    /// The body that constants are stated for, and that others are scaled from: 89.5 kg, legs of 0.83 m (the paper's character).
+    pub const REFERENCE: Physique = Physique {
+        mass: 89.5,
+        com_height: 0.96,
+        leg_length: 0.83,
+        hip_height: 0.90,
+        ankle_height: 0.08,
+        stance_width: 0.18,
+        com_forward: 0.045,
+        toe_out: 0.1,
+        heel: -0.07,
+        tip: 0.18,
+        half_width: 0.045,
+    };
+}

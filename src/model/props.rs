@@ -120,9 +120,8 @@ impl Mesh {
 
     /// Adds a cuboid from its low to its high corner.
     pub fn cuboid(&mut self, low: DVec3, high: DVec3) {
-        let corner = |x: usize, y: usize, z: usize| {
-            DVec3::new([low.x, high.x][x], [low.y, high.y][y], [low.z, high.z][z])
-        };
+        let corner =
+            |x: usize, y: usize, z: usize| DVec3::new([low.x, high.x][x], [low.y, high.y][y], [low.z, high.z][z]);
         self.quad([corner(0, 1, 0), corner(0, 1, 1), corner(1, 1, 1), corner(1, 1, 0)]);
         self.quad([corner(0, 0, 0), corner(1, 0, 0), corner(1, 0, 1), corner(0, 0, 1)]);
         self.quad([corner(0, 0, 1), corner(1, 0, 1), corner(1, 1, 1), corner(0, 1, 1)]);
@@ -169,10 +168,7 @@ mod tests {
     /// m³, signed: positive where triangles run counter-clockwise from outside.
     fn volume(mesh: &Mesh) -> f64 {
         let corner = |index: u32| mesh.positions[index as usize];
-        mesh.indices
-            .chunks_exact(3)
-            .map(|t| corner(t[0]).cross(corner(t[1])).dot(corner(t[2])) / 6.0)
-            .sum()
+        mesh.indices.chunks_exact(3).map(|t| corner(t[0]).cross(corner(t[1])).dot(corner(t[2])) / 6.0).sum()
     }
 
     #[test]

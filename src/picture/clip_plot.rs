@@ -161,19 +161,7 @@ mod tests {
 
     #[test]
     fn a_sole_reaches_from_its_heel_to_its_tip_along_its_yaw() {
-        let physique = Physique {
-            mass: 89.5,
-            com_height: 0.96,
-            leg_length: 0.83,
-            hip_height: 0.90,
-            ankle_height: 0.08,
-            stance_width: 0.18,
-            com_forward: 0.045,
-            toe_out: 0.1,
-            heel: -0.07,
-            tip: 0.18,
-            half_width: 0.045,
-        };
+        let physique = Physique::REFERENCE;
         let ahead = Plant::level(DVec3::ZERO, 0.0);
         let along = |plant: &Plant, axis: DVec2| {
             corners(&physique, plant).map(|corner| corner.dot(axis)).into_iter().fold(f64::NEG_INFINITY, f64::max)

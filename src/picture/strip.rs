@@ -98,6 +98,7 @@ pub(crate) mod tests {
             mass: 72.0,
             height: 1.78,
             leg_length: 0.84,
+            flanks: [0.0; 2],
         }
     }
 

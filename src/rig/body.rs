@@ -5,8 +5,10 @@
 //! [`super::sole`]. It leaves out how the bones were found and which way they face.
 
 use super::MeshPart;
+use super::flanks::flanks;
 use super::segments::segments;
-use super::sole::{FootInput, FootVertex, foot_shape};
+use super::skin::{Skin, crown};
+use super::sole::{FootInput, foot_shape};
 use crate::model::{Body, BodyJoint, FootShape, Role, Side};
 use glam::{DQuat, DVec2, DVec3};
 use std::collections::BTreeMap;
@@ -45,7 +47,7 @@ pub fn derive(input: &BodyInput) -> DerivedBody {
     let skin = Skin::new(input);
     let mut warnings = Vec::new();
     let mut confidence_factor = 1.0;
-    if skin.vertices.is_empty() {
+    if skin.is_empty() {
         warnings.push("the rig has no mesh; height and soles are made from the joints".to_owned());
         confidence_factor *= 0.9;
     }
@@ -60,11 +62,10 @@ pub fn derive(input: &BodyInput) -> DerivedBody {
     }
     let made: Vec<Role> = places.keys().copied().filter(|role| !input.bones.contains_key(role)).collect();
     for role in &made {
-        warnings.push(format!(
-            "the rig has no {}; its place is extrapolated and it keeps its parent's rotation",
-            role.name()
-        ));
-        confidence_factor *= if matches!(role, Role::LeftFoot | Role::RightFoot) { 0.95 } else { 0.98 };
+        let foot = matches!(role, Role::LeftFoot | Role::RightFoot);
+        let then = if foot { "its sole turns with the shank: contacts slip" } else { "it keeps its parent's rotation" };
+        warnings.push(format!("the rig has no {}; its place is extrapolated and {then}", role.name()));
+        confidence_factor *= if foot { 0.95 } else { 0.98 };
     }
 
     // The order of the roles has parents before children.
@@ -93,7 +94,7 @@ pub fn derive(input: &BodyInput) -> DerivedBody {
         let toe = index(toes).map(|toe| (toe, joints[toe].rest - rest));
         let vertices = skin.foot(side, rest, input.bones.contains_key(&foot));
         let (shape, notes) = foot_shape(&FootInput { side, ankle, ankle_y: rest.y, toe, height, vertices: &vertices });
-        if !skin.vertices.is_empty() && vertices.len() < 4 {
+        if !skin.is_empty() && vertices.len() < 4 {
             warnings.push(format!("no part of the mesh moves with {}; its sole is made from the joints", foot.name()));
             confidence_factor *= 0.95;
         }
@@ -115,7 +116,8 @@ pub fn derive(input: &BodyInput) -> DerivedBody {
         .iter()
         .sum::<f64>()
         / 2.0;
-    let body = Body { joints, segments, feet, mass, height, leg_length };
+    let flanks = flanks(input.mesh, &skin, &places, height);
+    let body = Body { joints, segments, feet, mass, height, leg_length, flanks };
     DerivedBody { body, joint_nodes, warnings, confidence_factor }
 }
 
@@ -152,14 +154,14 @@ pub fn stated_mass(document: &serde_json::Value) -> Option<f64> {
     extras.get("surefoot")?.get("mass_kg")?.as_f64().filter(|mass| mass.is_finite() && *mass > 0.0)
 }
 
-fn leg_roles(side: Side) -> [Role; 4] {
+pub(super) fn leg_roles(side: Side) -> [Role; 4] {
     match side {
         Side::Left => [Role::LeftUpperLeg, Role::LeftLowerLeg, Role::LeftFoot, Role::LeftToes],
         Side::Right => [Role::RightUpperLeg, Role::RightLowerLeg, Role::RightFoot, Role::RightToes],
     }
 }
 
-fn arm_roles(side: Side) -> [Role; 3] {
+pub(super) fn arm_roles(side: Side) -> [Role; 3] {
     match side {
         Side::Left => [Role::LeftUpperArm, Role::LeftLowerArm, Role::LeftHand],
         Side::Right => [Role::RightUpperArm, Role::RightLowerArm, Role::RightHand],
@@ -248,112 +250,6 @@ fn height(input: &BodyInput, skin: &Skin) -> f64 {
         _ => highest * 1.1,
     };
     from_joints.max(1e-3)
-}
-
-/// The top of a head without what is thin on it: antennas, feathers, a spike of hair.
-fn crown(points: &[DVec3]) -> Option<f64> {
-    let mut sorted: Vec<DVec3> = points.to_vec();
-    sorted.sort_by(|a, b| b.y.total_cmp(&a.y));
-    let (first, last) = (sorted.first()?, sorted.last()?);
-    let spread = |low: DVec3, high: DVec3| ((high.x - low.x) * (high.z - low.z)).sqrt();
-    let fold = |points: &[DVec3]| {
-        let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-        let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-        spread(low, high)
-    };
-    let whole = fold(&sorted);
-    let (mut low, mut high) = (*first, *first);
-    for point in &sorted {
-        low = low.min(*point);
-        high = high.max(*point);
-        if spread(low, high) >= 0.2 * whole {
-            let trimmed = first.y - point.y;
-            // A round skull is thin at its very top too: trim only what stands out.
-            let stands_out = trimmed > 0.2 * (first.y - last.y);
-            return Some(if stands_out { point.y } else { first.y });
-        }
-    }
-    Some(first.y)
-}
-
-/// The mesh by what it moves with.
-struct Skin {
-    /// Place, and shares by mapped role.
-    vertices: Vec<SkinVertex>,
-}
-
-struct SkinVertex {
-    place: DVec3,
-    shares: [(Option<Role>, f64); 4],
-    /// The share that hangs on the head's own node, not on hair or a hat under it.
-    head_itself: f64,
-}
-
-impl Skin {
-    fn new(input: &BodyInput) -> Skin {
-        let mut role_of: BTreeMap<usize, Role> = BTreeMap::new();
-        for (role, (node, _)) in input.bones {
-            role_of.entry(*node).or_insert(*role);
-        }
-        let owner = |node: usize| -> Option<Role> {
-            let mut at = node;
-            // No chain is longer than there are nodes; a loop in a broken file ends here.
-            for _ in 0..=input.parents.len() {
-                if let Some(role) = role_of.get(&at) {
-                    return Some(*role);
-                }
-                at = (*input.parents.get(at)?)?;
-            }
-            None
-        };
-        let owners: Vec<Option<Role>> = (0..input.parents.len()).map(owner).collect();
-        let head = input.bones.get(&Role::Head).map(|bone| bone.0);
-        let vertices = input
-            .mesh
-            .iter()
-            .flat_map(|part| part.positions.iter().zip(&part.weights))
-            .filter(|(place, _)| place.is_finite())
-            .map(|(place, weights)| SkinVertex {
-                place: *place,
-                shares: weights.map(|(node, weight)| (owners.get(node).copied().flatten(), weight)),
-                head_itself: weights.iter().filter(|(node, _)| Some(*node) == head).map(|entry| entry.1).sum(),
-            })
-            .collect();
-        Skin { vertices }
-    }
-
-    /// Vertices of which a role has more than half.
-    fn of(&self, role: Role) -> impl Iterator<Item = DVec3> + '_ {
-        self.vertices.iter().filter(move |vertex| vertex.share(role) > 0.5).map(|vertex| vertex.place)
-    }
-
-    fn head(&self, itself: bool) -> Vec<DVec3> {
-        let share = |vertex: &&SkinVertex| if itself { vertex.head_itself } else { vertex.share(Role::Head) } > 0.5;
-        self.vertices.iter().filter(share).map(|vertex| vertex.place).collect()
-    }
-
-    /// The vertices of a foot; where no node is the foot, the end of the shank's.
-    fn foot(&self, side: Side, ankle: DVec3, has_foot: bool) -> Vec<FootVertex> {
-        let [_, shank, foot, toes] = leg_roles(side);
-        self.vertices
-            .iter()
-            .filter_map(|vertex| {
-                let (of_foot, of_toes) = (vertex.share(foot), vertex.share(toes));
-                let chosen = if has_foot {
-                    of_foot + of_toes > 0.5
-                } else {
-                    vertex.share(shank) + of_toes > 0.5 && vertex.place.y < ankle.y
-                };
-                chosen.then_some(FootVertex { offset: vertex.place - ankle, toe: of_toes > of_foot && of_toes >= 0.4 })
-            })
-            .collect()
-    }
-}
-
-impl SkinVertex {
-    fn share(&self, role: Role) -> f64 {
-        self.shares.iter().filter(|entry| entry.0 == Some(role)).map(|entry| entry.1).sum()
-    }
 }
 
 #[cfg(test)]
@@ -464,6 +360,23 @@ mod tests {
         assert!((plain.body.height - 1.72).abs() < 1e-9, "{}", plain.body.height);
         assert!((adorned.body.height - 1.72).abs() < 1e-9, "{}", adorned.body.height);
         assert!((plain.body.mass - 23.0 * 1.72f64.powi(2)).abs() < 1e-9, "{}", plain.body.mass);
+    }
+
+    #[test]
+    fn eyes_over_the_head_are_of_its_height_and_hair_is_not() {
+        let mut roles = with_feet_and_hands();
+        roles.extend([Role::LeftEye, Role::RightEye]);
+        let found = bones(&roles);
+        let (head, eye) = (found[&Role::Head].0, found[&Role::LeftEye].0);
+        let skull = block(head, DVec3::new(-0.18, 1.45, -0.18), DVec3::new(0.18, 1.72, 0.18));
+        let box_eye = block(eye, DVec3::new(0.0, 1.6, -0.1), DVec3::new(0.35, 1.95, 0.25));
+        // Node 40 is hair: a leaf on the head.
+        let mut parents = vec![None; 64];
+        parents[40] = Some(head);
+        let hair = block(40, DVec3::new(-0.1, 1.6, -0.2), DVec3::new(0.1, 2.1, 0.0));
+        let derived =
+            derive(&BodyInput { bones: &found, mesh: &[skull, box_eye, hair], parents: &parents, mass: None });
+        assert!((derived.body.height - 1.95).abs() < 1e-9, "{}", derived.body.height);
     }
 
     #[test]

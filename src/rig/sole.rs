@@ -4,20 +4,20 @@
 //! first laid down: the plane on which it would rest is the face of its lower hull under the middle of the sole. What
 //! it leaves out: soft soles, arches, and heels so high that the sole is no plane.
 
+use super::sole_frame::{across, along, angle_of, aside, ball_line, extent, heading, lies_flat, toe_turn};
 use super::sole_plane::{resting_normal, thin};
 use crate::model::{FootShape, Side};
 use glam::{DQuat, DVec2, DVec3};
 
 /// A foot whose sole is off level by less than this is taken as level, rad.
 const LEVEL_WITHIN: f64 = 3.0 * std::f64::consts::PI / 180.0;
-/// The same for toes, whose soles curve up in front (toe spring).
-const TOE_LEVEL_WITHIN: f64 = 12.0 * std::f64::consts::PI / 180.0;
 /// Sole vertices lie within this share of the height over the plane (15 mm for 1.7 m).
 const BAND: f64 = 0.0088;
 /// Sine of the roll over which a mesh is no foot (25 degrees).
 const MOST_ROLL: f64 = 0.4226;
-/// Vertices this close to the lowest, share of the height, are on the ground with it (4 mm for 1.7 m).
-const FLAT_BAND: f64 = 0.0025;
+/// How much further ahead a vertex must lie for each unit that it is over the ground, to be the tip.
+const TIP_ROUNDING: f64 = 8.0;
+
 /// What is known of a foot.
 pub(super) struct FootInput<'a> {
     /// Left or right.
@@ -183,6 +183,14 @@ fn from_mesh(input: &FootInput) -> Option<(FootShape, Vec<String>)> {
         ball = heel + 0.72 * (tip - heel);
     }
 
+    // A foot that bends turns about its toe joint, and its sprung tip still comes down in a push-off.
+    let tip = match toe {
+        Some(_) => tip,
+        None => {
+            bearing_tip(chosen.iter().map(|&index| (along(laid[index], forward), laid[index].y - lowest)), ball, tip)
+        }
+    };
+
     let near_ball: Vec<f64> = chosen
         .iter()
         .filter(|&&index| (along(laid[index], forward) - ball).abs() < 0.2 * (tip - heel))
@@ -231,115 +239,12 @@ fn from_mesh(input: &FootInput) -> Option<(FootShape, Vec<String>)> {
     Some((shape, warnings))
 }
 
-/// Whether a good part of the foot's length and width is already on the lowest level: blocks and spheres for feet have faces
-/// under their middle that are no soles.
-fn lies_flat(input: &FootInput, rear: &[DVec3], all: &[DVec3]) -> bool {
-    let forward = heading(input, all, DQuat::IDENTITY);
-    let size = |points: &[DVec3]| {
-        let one = |measure: fn(DVec3, DVec2) -> f64| {
-            extent(points.iter().map(|point| measure(*point, forward))).map_or(0.0, |(low, high)| high - low)
-        };
-        (one(along), one(aside))
-    };
-    let Some((lowest, _)) = extent(rear.iter().map(|point| point.y)) else { return true };
-    let touching: Vec<DVec3> =
-        rear.iter().copied().filter(|point| point.y < lowest + FLAT_BAND * input.height).collect();
-    let ((length, width), (whole_length, whole_width)) = (size(&touching), size(rear));
-    length > 0.5 * whole_length && width > 0.3 * whole_width
-}
-
-/// Along the foot, from the ankle.
-fn along(point: DVec3, forward: DVec2) -> f64 {
-    DVec2::new(point.x, point.z).dot(forward)
-}
-
-/// To the foot's left.
-fn aside(point: DVec3, forward: DVec2) -> f64 {
-    DVec2::new(point.x, point.z).dot(across(forward))
-}
-
-/// To the left of a heading, (x, z).
-fn across(forward: DVec2) -> DVec2 {
-    DVec2::new(forward.y, -forward.x)
-}
-
-fn angle_of(turn: DQuat) -> f64 {
-    2.0 * turn.xyz().length().atan2(turn.w.abs())
-}
-
-fn extent(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
-    let mut range: Option<(f64, f64)> = None;
-    for value in values {
-        range = Some(range.map_or((value, value), |(low, high)| (low.min(value), high.max(value))));
-    }
-    range
-}
-
-/// The ball line: the toe joint where there is one, else 0.72 of the sole.
-fn ball_line(input: &FootInput, level: DQuat, forward: DVec2, heel: f64, tip: f64) -> f64 {
-    let proportion = heel + 0.72 * (tip - heel);
-    match input.toe {
-        Some((_, offset)) => along(level * offset, forward).clamp(heel + 0.3 * (tip - heel), tip),
-        None => proportion,
-    }
-}
-
-/// The way that a foot points: by its toe joint, else by its longer side.
-fn heading(input: &FootInput, points: &[DVec3], level: DQuat) -> DVec2 {
-    if let Some((_, offset)) = input.toe {
-        let turned = level * offset;
-        let flat = DVec2::new(turned.x, turned.z);
-        if flat.length() > 0.015 * input.height && flat.y > -0.3 * flat.length() {
-            return flat.normalize();
-        }
-    }
-    let count = points.len() as f64;
-    let flat: Vec<DVec2> = points
-        .iter()
-        .map(|point| {
-            let turned = level * *point;
-            DVec2::new(turned.x, turned.z)
-        })
-        .collect();
-    let mean = flat.iter().sum::<DVec2>() / count;
-    let (mut xx, mut zz, mut xz) = (0.0, 0.0, 0.0);
-    for point in &flat {
-        let from_mean = *point - mean;
-        xx += from_mean.x * from_mean.x;
-        zz += from_mean.y * from_mean.y;
-        xz += from_mean.x * from_mean.y;
-    }
-    // The long axis of the spread; near round, or far from ahead, it says nothing.
-    let swing = 0.5 * (2.0 * xz).atan2(zz - xx);
-    let spread = ((zz - xx).powi(2) + 4.0 * xz * xz).sqrt() / (zz + xx).max(1e-12);
-    if spread < 0.25 || swing.abs() > 0.9 { DVec2::Y } else { DVec2::new(swing.sin(), swing.cos()) }
-}
-
-/// The turn that lays the toes flat: only the pitch counts, and a toe spring is left alone.
-fn toe_turn(points: &[DVec3], level: DQuat, forward: DVec2) -> DQuat {
-    let pitch_of = |turn: DQuat| -> f64 {
-        let turned: Vec<DVec3> = points.iter().map(|point| turn * *point).collect();
-        let (Some((near, far)), Some((left, right))) = (
-            extent(turned.iter().map(|point| along(*point, forward))),
-            extent(turned.iter().map(|point| aside(*point, forward))),
-        ) else {
-            return 0.0;
-        };
-        let middle = forward * (near + 0.4 * (far - near)) + across(forward) * ((left + right) / 2.0);
-        let normal = resting_normal(&turned, middle);
-        // Positive where the toes point up.
-        (-along(normal, forward)).atan2(normal.y)
-    };
-    let pitch = pitch_of(level);
-    if pitch.abs() < TOE_LEVEL_WITHIN {
-        return level;
-    }
-    if level != DQuat::IDENTITY && pitch_of(DQuat::IDENTITY).abs() < TOE_LEVEL_WITHIN {
-        // A lifted heel over toes that lie flat.
-        return DQuat::IDENTITY;
-    }
-    let axis = across(forward);
-    DQuat::from_axis_angle(DVec3::new(axis.x, 0.0, axis.y), pitch) * level
+/// The foremost point that bears: what a bevelled or sprung tip holds over the ground counts against it, as at the heel
+/// ([`FootShape::heel_point`]), since a foot that turned about a tip in the air would hover. `points`: along the foot and over its plane, m.
+fn bearing_tip(points: impl Iterator<Item = (f64, f64)>, ball: f64, tip: f64) -> f64 {
+    let reach = |point: &(f64, f64)| point.0 - TIP_ROUNDING * point.1;
+    let bearing = points.max_by(|a, b| reach(a).total_cmp(&reach(b))).map_or(tip, |point| point.0);
+    if bearing > ball { bearing } else { tip }
 }
 
 #[cfg(test)]
@@ -448,6 +353,22 @@ mod tests {
         let (shape, warnings) = foot_shape(&input(&vertices, Some(TOE)));
         assert_eq!((shape.toe, warnings.len()), (None, 1));
         assert_near(shape.ball, 0.11, 1e-9, "ball at the joint all the same");
+    }
+
+    #[test]
+    fn a_bevelled_tip_of_a_stiff_foot_ends_where_it_bears() {
+        // The front edge is 11 mm up and 12 mm ahead of the last that touches, as on a shoe with a bevelled sole.
+        let mut vertices: Vec<FootVertex> =
+            box_foot().iter().map(|vertex| FootVertex { toe: false, ..*vertex }).collect();
+        let bevel = [-0.03, 0.0, 0.03].map(|x| FootVertex { offset: DVec3::new(x, -0.069, 0.192), toe: false });
+        vertices.extend(bevel);
+        let (shape, _) = foot_shape(&input(&vertices, None));
+        assert_near(shape.tip, 0.18, 1e-9, "tip");
+        assert!(shape.front_sole.iter().any(|point| point.z > 0.19), "the bevel is of the sole all the same");
+        // A millimetre up is no bevel: people's tips are rounded.
+        let nearly = [-0.03, 0.03].map(|x| FootVertex { offset: DVec3::new(x, -0.079, 0.192), toe: false });
+        vertices.extend(nearly);
+        assert_near(foot_shape(&input(&vertices, None)).0.tip, 0.192, 1e-9, "tip");
     }
 
     #[test]

@@ -200,21 +200,25 @@ fn foot_direction(
     }
     // The middle of the lowest slice of the mesh lies ahead of the ankle.
     let mut soles = DVec3::ZERO;
-    for side in [Role::LeftFoot, Role::RightFoot] {
-        let lower = if side == Role::LeftFoot { Role::LeftLowerLeg } else { Role::RightLowerLeg };
-        let Some(bone) = bones.get(&side).or_else(|| bones.get(&lower)) else { continue };
-        let points = points_under(nodes, *bone, parts);
+    for bone in leg_ends(bones) {
+        let points = points_under(nodes, bone, parts);
         let low = points.iter().map(|point| point.dot(up)).fold(f64::MAX, f64::min);
         let sole: Vec<DVec3> = points.into_iter().filter(|point| point.dot(up) < low + 0.06 * leg).collect();
         if sole.len() < 3 {
             continue;
         }
         let (least, most) = sole.iter().fold((DVec3::MAX, DVec3::MIN), |(a, b), point| (a.min(*point), b.max(*point)));
-        soles += flat((least + most) * 0.5 - positions[*bone]) * 0.5;
+        soles += flat((least + most) * 0.5 - positions[bone]) * 0.5;
     }
     let found = if soles.length() > sum.length() { soles } else { sum };
     // Less than that is the noise of a straight leg.
     (found.length() > 0.6 * FOOT * leg).then_some(found)
+}
+
+/// The lowest bone of each leg: its foot, else its lower leg.
+fn leg_ends(bones: &BTreeMap<Role, usize>) -> Vec<usize> {
+    let ends = [(Role::LeftFoot, Role::LeftLowerLeg), (Role::RightFoot, Role::RightLowerLeg)];
+    ends.iter().filter_map(|(foot, shank)| bones.get(foot).or_else(|| bones.get(shank))).copied().collect()
 }
 
 /// Mesh vertices that move mostly with that node or what hangs below it.
@@ -252,10 +256,7 @@ fn extent(
     up: DVec3,
     leg: f64,
 ) -> (f64, f64) {
-    let ends = [Role::LeftFoot, Role::RightFoot];
-    let lower = [Role::LeftLowerLeg, Role::RightLowerLeg];
-    let feet: Vec<usize> =
-        ends.iter().zip(&lower).filter_map(|(a, b)| bones.get(a).or_else(|| bones.get(b))).copied().collect();
+    let feet = leg_ends(bones);
     let soles = feet.iter().flat_map(|foot| points_under(nodes, *foot, parts)).map(|point| point.dot(up));
     let soles = soles.fold(f64::MAX, f64::min);
     let joints = feet.iter().map(|foot| {

@@ -168,33 +168,17 @@ mod tests {
     use super::*;
     use glam::DVec3;
 
-    fn adult() -> Physique {
-        Physique {
-            mass: 89.5,
-            com_height: 0.96,
-            leg_length: 0.83,
-            hip_height: 0.90,
-            ankle_height: 0.08,
-            stance_width: 0.18,
-            com_forward: 0.045,
-            toe_out: 0.1,
-            heel: -0.07,
-            tip: 0.18,
-            half_width: 0.045,
-        }
-    }
-
     fn foot(x: f64, z: f64, yaw: f64) -> Plant {
         Plant::level(DVec3::new(x, 0.0, z), yaw)
     }
 
     fn params(support: SupportModel) -> Params {
-        Params::new(&adult(), &Style { support, ..Style::default() })
+        Params::new(&Physique::REFERENCE, &Style { support, ..Style::default() })
     }
 
     #[test]
     fn a_sole_reaches_from_heel_to_tip_and_across() {
-        let (params, body) = (params(SupportModel::Soles), adult());
+        let (params, body) = (params(SupportModel::Soles), Physique::REFERENCE);
         let sole = Support::one(&params, &body, &foot(1.0, 2.0, 0.0), Tread::Whole, 0.0);
         for (x, z, out) in
             [(1.0, 2.28, 0.1), (1.0, 1.83, 0.1), (1.145, 2.0, 0.1), (0.855, 2.0, 0.1), (1.0, 2.05, -0.045)]
@@ -207,14 +191,14 @@ mod tests {
 
     #[test]
     fn a_foot_turned_left_points_left() {
-        let (params, body) = (params(SupportModel::Soles), adult());
+        let (params, body) = (params(SupportModel::Soles), Physique::REFERENCE);
         let sole = Support::one(&params, &body, &foot(0.0, 0.0, std::f64::consts::FRAC_PI_2), Tread::Whole, 0.0);
         assert!(sole.outside(DVec2::new(0.17, 0.0)) < 0.0 && sole.outside(DVec2::new(-0.08, 0.0)) > 0.0);
     }
 
     #[test]
     fn two_feet_hold_what_lies_between_them_whatever_their_order() {
-        let body = adult();
+        let body = Physique::REFERENCE;
         for model in [SupportModel::Soles, SupportModel::Circles] {
             let params = params(model);
             let (one, two) = (foot(0.3, 0.5, 0.4), foot(-0.2, -0.1, -0.2));

@@ -39,6 +39,8 @@ pub struct Arm {
     /// Turns from rest that hang the upper arm and the forearm straight down beside an upright torso.
     pub upper_down: DQuat,
     pub lower_down: DQuat,
+    /// rad, by how much more a hanging arm is abducted for its hand to clear what the hips wear.
+    pub widen: f64,
 }
 
 /// One leg.
@@ -103,6 +105,11 @@ impl Arm {
             fingers,
             upper_down: shortest_arc(rest(lower) - rest(upper), DVec3::NEG_Y),
             lower_down: shortest_arc(rest(hand) - rest(lower), DVec3::NEG_Y),
+            widen: super::stand::widening(
+                [rest(lower).distance(rest(upper)), rest(hand).distance(rest(lower))],
+                side.sign() * rest(upper).x,
+                body.flanks[side as usize],
+            ),
         }
     }
 }

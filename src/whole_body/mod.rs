@@ -7,6 +7,7 @@ pub mod anatomy;
 pub mod reaction;
 pub mod solve;
 pub mod stand;
+pub mod stride;
 
 pub use anatomy::Anatomy;
 pub use solve::{ArmAngles, FootTarget, PoseTarget, Solver};

@@ -7,7 +7,9 @@
 
 use super::solve::ArmAngles;
 use super::stand::{TRUNK_LEAN, relaxed_arms};
+use super::stride::Stride;
 use crate::maths::curve::soft_limit;
+use crate::maths::pendulum::GRAVITY;
 use crate::maths::spring::Spring;
 use crate::model::Side;
 use crate::model::{Physique, Plant};
@@ -25,6 +27,10 @@ pub struct Senses {
     pub push_moment: DVec3,
     /// m, extrapolated centre of mass (x, z).
     pub xi: DVec2,
+    /// m/s, of the centre of mass (x, z).
+    pub velocity: DVec2,
+    /// m/s, as it is commanded (x, z); zero in a stand.
+    pub wanted: DVec2,
     /// Left and right foot.
     pub feet: [Plant; 2],
     /// Which of them carry.
@@ -63,6 +69,7 @@ pub struct Reaction {
     head: [Spring; 2],      // what the head keeps of it
     pelvis_yaw: Spring,     // relative to facing, left positive
     list: Spring,           // pelvis drop on the right positive
+    stride: Stride,         // what walking adds
     alarm: f64,             // 0..1
     alarm_line: Vec<f64>,   // raw alarm of the last ticks, newest last
     fall: DVec2,            // smoothed direction of the fall (left, forward)
@@ -80,6 +87,7 @@ impl Reaction {
             head: Default::default(),
             pelvis_yaw: Spring::default(),
             list: Spring::default(),
+            stride: Stride::default(),
             alarm: 0.0,
             alarm_line: Vec::new(),
             fall: DVec2::ZERO,
@@ -118,31 +126,37 @@ impl Reaction {
             self.head[axis].step(keeps * lean[axis], head_omega, 0.45, dt);
         }
 
-        self.tick_pelvis(senses, scale, dt);
-        self.tick_alarm(senses, &local, scale, dt);
-        self.tick_arms(acceleration, scale, length, dt);
+        let stride = self.stride.tick(senses, &self.physique, dt);
+        self.tick_pelvis(senses, stride.share, scale, dt);
+        self.tick_alarm(senses, stride.share, &local, scale, dt);
+        // Walking, the arms follow the legs and not every jolt of the shoulders.
+        self.tick_arms(acceleration * (1.0 - 0.8 * stride.share * (1.0 - self.alarm)), scale, length, dt);
 
         let mut angles = [0.0; UPPER];
         angles[0] = lean.x;
-        angles[1] = lean.y;
+        angles[1] = lean.y + stride.lean;
         angles[2] = self.head[0].x;
         angles[3] = self.head[1].x;
-        angles[4] = self.pelvis_yaw.x;
+        angles[4] = self.pelvis_yaw.x + stride.turn;
         angles[5] = self.list.x;
         angles[6] = senses.facing;
         for side in 0..2 {
             for joint in 0..3 {
                 angles[7 + side * 3 + joint] = self.arms[side][joint].x;
             }
+            // An arm that is raised against a fall swings no more.
+            angles[7 + side * 3] += stride.arms[side] * (1.0 - self.alarm);
+            angles[9 + side * 3] += stride.elbows[side] * (1.0 - self.alarm);
         }
         angles[13] = self.alarm;
         angles
     }
 
-    fn tick_pelvis(&mut self, senses: &Senses, scale: f64, dt: f64) {
+    fn tick_pelvis(&mut self, senses: &Senses, walking: f64, scale: f64, dt: f64) {
         let between = senses.feet[0].ankle - senses.feet[1].ankle;
         let ahead = between.x * senses.facing.sin() + between.z * senses.facing.cos(); // left foot ahead of the right
-        let yaw = -soft_limit(1.1 * ahead / self.physique.leg_length, 16_f64.to_radians());
+        // In a stand the pelvis turns to where the feet stand; in a walk `stride` turns it.
+        let yaw = -soft_limit(1.1 * ahead / self.physique.leg_length, 16_f64.to_radians()) * (1.0 - walking);
         self.pelvis_yaw.step(yaw, TAU * 1.8 / scale, 0.9, dt);
         let list = match senses.planted {
             [false, true] => -1.0,
@@ -152,11 +166,16 @@ impl Reaction {
         self.list.step(list * 4.5_f64.to_radians(), TAU * 1.6 / scale, 0.8, dt);
     }
 
-    fn tick_alarm(&mut self, senses: &Senses, local: &dyn Fn(DVec3) -> DVec2, scale: f64, dt: f64) {
+    fn tick_alarm(&mut self, senses: &Senses, walking: f64, local: &dyn Fn(DVec3) -> DVec2, scale: f64, dt: f64) {
         let ahead = DVec3::new(senses.facing.sin(), 0.0, senses.facing.cos()) * self.physique.com_forward;
         let middle = (senses.feet[0].ankle + senses.feet[1].ankle) * 0.5 + ahead;
-        let off = local(DVec3::new(senses.xi.x, 0.0, senses.xi.y) - middle) / self.physique.leg_length;
-        let raw = ((off.length() - 0.035) / 0.24).clamp(0.0, 1.0);
+        let standing = local(DVec3::new(senses.xi.x, 0.0, senses.xi.y) - middle) / self.physique.leg_length;
+        // A walker is alarmed by speed that it did not mean to have.
+        let unmeant = (senses.velocity - senses.wanted) / (GRAVITY * self.physique.com_height).sqrt();
+        let strayed =
+            local(DVec3::new(unmeant.x, 0.0, unmeant.y)) * (self.physique.com_height / self.physique.leg_length);
+        let off = standing.lerp(strayed, walking);
+        let raw = ((off.length() - 0.035 - 0.07 * walking) / 0.24).clamp(0.0, 1.0);
         self.alarm_line.push(raw);
         let delay = ((0.12 + 0.02 * self.personality.arms_delay) * scale / dt).round() as usize;
         let heard =

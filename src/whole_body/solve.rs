@@ -5,6 +5,7 @@
 //! error). A foot that is out of reach stays on its leg's line; the caller keeps it in reach and is told the excess.
 
 use super::anatomy::Anatomy;
+use crate::maths::curve::smooth3;
 use crate::maths::quat::{limb_frame, yaw_of};
 use crate::maths::two_bone_ik::two_bone_ik;
 use crate::model::{Body, BodyPose, Side};
@@ -83,6 +84,8 @@ pub struct Solver<'a> {
 
 /// The largest part of the straight leg that a pose may use: past it the knee locks and pops.
 pub const STRAIGHTEST: f64 = 0.9985;
+/// rad, lift of an arm from which on its hand is no longer beside the hips, and how much further until it is well past them.
+const PAST_HIPS: [f64; 2] = [0.25, 0.8];
 const MOST_PASSES: usize = 10;
 const COM_TOLERANCE: f64 = 2e-5; // m
 
@@ -170,8 +173,11 @@ impl<'a> Solver<'a> {
                 let lift = ((angles.abduct.abs().max(angles.raise.abs()) - 0.52).max(0.0)) * 0.33;
                 put(turns, shoulder, target.chest * DQuat::from_rotation_z(sign * lift) * upright);
             }
+            // Hands that hang clear something wide; those of a lifted arm are past it.
+            let lifted = angles.abduct.abs().max(angles.raise.abs());
+            let abduct = angles.abduct + arm.widen * (1.0 - smooth3((lifted - PAST_HIPS[0]) / PAST_HIPS[1]));
             let upper = target.chest
-                * DQuat::from_rotation_z(sign * angles.abduct)
+                * DQuat::from_rotation_z(sign * abduct)
                 * DQuat::from_rotation_x(-angles.raise)
                 * DQuat::from_rotation_y(-sign * angles.inward);
             let lower = upper * DQuat::from_rotation_x(-angles.elbow);

@@ -32,6 +32,32 @@ pub fn relaxed_arms() -> ArmAngles {
     }
 }
 
+/// The most by which arms are spread for it, rad: past that they do not hang, and stay as they are.
+const MOST_WIDENING: f64 = 28.0 * std::f64::consts::PI / 180.0;
+
+/// rad, by how much more than [`relaxed_arms`] an arm must be abducted for its hand to be `flank` (m, [`Body::flanks`]) out of
+/// the middle plane. `lengths`: upper arm and forearm, m; `shoulder`: how far out it is, m.
+pub(super) fn widening(lengths: [f64; 2], shoulder: f64, flank: f64) -> f64 {
+    let relaxed = relaxed_arms();
+    // Where the wrist is with the arm abducted: the same chain as the solver's, for the left side.
+    let wrist = |widen: f64| {
+        let upper = DQuat::from_rotation_z(widen + relaxed.abduct)
+            * DQuat::from_rotation_x(-relaxed.raise)
+            * DQuat::from_rotation_y(-relaxed.inward);
+        let lower = upper * DQuat::from_rotation_x(-relaxed.elbow);
+        shoulder + (upper * DVec3::NEG_Y * lengths[0] + lower * DVec3::NEG_Y * lengths[1]).x
+    };
+    if wrist(0.0) >= flank || wrist(MOST_WIDENING) < flank {
+        return 0.0;
+    }
+    let (mut low, mut high) = (0.0, MOST_WIDENING);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if wrist(middle) < flank { low = middle } else { high = middle }
+    }
+    high
+}
+
 /// A foot flat on the ground (y = `plant.ankle.y`) at a plant.
 pub fn flat_foot(body: &Body, side: Side, plant: &Plant) -> FootTarget {
     let shape = &body.feet[side as usize];
@@ -117,4 +143,23 @@ pub fn natural_plants(stance_width: f64, com_forward: f64) -> [Plant; 2] {
 pub fn foot_yaw(body: &Body, side: Side, turn: DQuat) -> f64 {
     let shape = &body.feet[side as usize];
     yaw_of(turn * shape.level.inverse() * DQuat::from_rotation_y(shape.forward.x.atan2(shape.forward.y)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arms_hang_wider_only_where_something_wide_is_beside_them_and_can_be_cleared() {
+        let lengths = [0.30, 0.25];
+        let hangs = 0.18 + 0.55 * relaxed_arms().abduct.sin();
+        assert_eq!(widening(lengths, 0.18, 0.0), 0.0, "no mesh");
+        assert_eq!(widening(lengths, 0.18, hangs - 0.03), 0.0, "narrow hips");
+        assert_eq!(widening(lengths, 0.18, 1.5), 0.0, "a hoop skirt that no hanging arm clears");
+        let skirt = widening(lengths, 0.18, hangs + 0.08);
+        // 8 cm at the end of 0.55 m are about 8.5 degrees.
+        assert!((6.0..12.0).contains(&skirt.to_degrees()), "{}", skirt.to_degrees());
+        assert!(widening(lengths, 0.18, hangs + 0.10) > skirt);
+        assert_eq!(widening([0.0, 0.0], 0.18, 0.3), 0.0);
+    }
 }

@@ -10,25 +10,9 @@ fn main() {
     divan::main();
 }
 
-fn adult() -> Physique {
-    Physique {
-        mass: 89.5,
-        com_height: 0.96,
-        leg_length: 0.83,
-        hip_height: 0.90,
-        ankle_height: 0.08,
-        stance_width: 0.18,
-        com_forward: 0.045,
-        toe_out: 0.1,
-        heel: -0.07,
-        tip: 0.18,
-        half_width: 0.045,
-    }
-}
-
 #[divan::bench]
 fn standing(bencher: Bencher) {
-    let body = adult();
+    let body = Physique::REFERENCE;
     let params = Params::new(&body, &Style::default());
     let still = Inputs::default();
     let mut state = State::standing(&params, &body, DVec2::ZERO, 0.0);
@@ -40,7 +24,7 @@ fn standing(bencher: Bencher) {
 /// Four seconds of ticks: items a second are ticks a second.
 #[divan::bench(args = [30.0, 60.0, 100.0])]
 fn pushed(bencher: Bencher, impulse: f64) {
-    let body = adult();
+    let body = Physique::REFERENCE;
     let push = SessionPush { start: 0.1, duration: 0.2, force: DVec3::new(0.7, 0.0, 0.7) * (impulse / 0.2), arm: 0.3 };
     let options = SimulateOptions { duration: 4.0, extra: 0.0, ..SimulateOptions::default() };
     bencher

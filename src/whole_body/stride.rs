@@ -1,0 +1,124 @@
+//! What walking adds to the upper body: arms swing against the legs, the pelvis turns with them and drops on the side of
+//! the swing. Radians, SI units.
+//!
+//! Driven by where the feet are, so that it keeps step with whatever the controller does; peaks as people show them
+//! (shoulders about 15 degrees either way at 1.3 m/s, pelvis 5). Odd under mirroring. Knows no push: `reaction` adds.
+
+use super::reaction::Senses;
+use crate::maths::curve::soft_limit;
+use crate::maths::spring::Spring;
+use crate::model::{Physique, Side};
+use glam::DVec2;
+use std::f64::consts::TAU;
+
+/// rad of the shoulder for each leg length between the feet.
+const ARM_SWING: f64 = 0.34;
+/// rad of the pelvis likewise.
+const PELVIS_TURN: f64 = 0.14;
+/// m/s (reference body), from which on it is a walk and no longer a shuffle.
+const WALKING: f64 = 0.5;
+
+/// Memory of the stride.
+#[derive(Clone, Debug, Default)]
+pub struct Stride {
+    share: f64,
+    arms: [Spring; 2],
+    elbows: [Spring; 2],
+    turn: Spring,
+    fresh: bool,
+}
+
+/// What it asks of the body now.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StrideAngles {
+    /// 0 standing, 1 walking.
+    pub share: f64,
+    /// Of the pelvis relative to the facing, left positive.
+    pub turn: f64,
+    /// Flexion of the shoulders, left and right.
+    pub arms: [f64; 2],
+    /// Flexion of the elbows beyond the relaxed stand.
+    pub elbows: [f64; 2],
+    /// Lean of the trunk, forwards.
+    pub lean: f64,
+}
+
+impl Stride {
+    /// One tick of `dt` s.
+    pub fn tick(&mut self, senses: &Senses, physique: &Physique, dt: f64) -> StrideAngles {
+        let scale = (physique.com_height / 0.96).sqrt();
+        let pace = physique.leg_length / 0.83 / scale;
+        let wanted = senses.wanted.length() / pace;
+        let to = (wanted / WALKING).min(1.0);
+        if self.fresh {
+            self.share += (to - self.share) * (1.0 - (-dt / (0.35 * scale)).exp());
+        } else {
+            (self.share, self.fresh) = (to, true);
+        }
+        let ahead = DVec2::new(senses.facing.sin(), senses.facing.cos());
+        let between = senses.feet[0].ankle - senses.feet[1].ankle;
+        let reach = between.x * ahead.x + between.z * ahead.y; // left foot ahead of the right
+        let reach = soft_limit(reach / physique.leg_length, 1.2) * self.share;
+        self.turn.step(-PELVIS_TURN * reach, TAU * 3.0 / scale, 0.8, dt);
+        for side in Side::BOTH {
+            let swing = -side.sign() * ARM_SWING * reach;
+            let (arm, elbow) = (&mut self.arms[side as usize], &mut self.elbows[side as usize]);
+            arm.step(swing, TAU * 2.2 / scale, 0.9, dt);
+            elbow.step(self.share * 0.06 + 0.8 * swing.max(0.0), TAU * 2.0 / scale, 0.9, dt);
+        }
+        let forward = senses.wanted.dot(ahead) / pace;
+        StrideAngles {
+            share: self.share,
+            turn: self.turn.x,
+            arms: [self.arms[0].x, self.arms[1].x],
+            elbows: [self.elbows[0].x, self.elbows[1].x],
+            lean: 0.02 * soft_limit(forward, 2.0) * self.share,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Plant;
+    use glam::DVec3;
+
+    fn senses(left_ahead: f64, speed: f64) -> Senses {
+        Senses {
+            acceleration: DVec3::ZERO,
+            push: DVec3::ZERO,
+            push_moment: DVec3::ZERO,
+            xi: DVec2::ZERO,
+            velocity: DVec2::new(0.0, speed),
+            wanted: DVec2::new(0.0, speed),
+            feet: Side::BOTH
+                .map(|side| Plant::level(DVec3::new(0.1 * side.sign(), 0.0, 0.5 * side.sign() * left_ahead), 0.0)),
+            planted: [true; 2],
+            facing: 0.0,
+        }
+    }
+
+    fn settled(left_ahead: f64, speed: f64) -> StrideAngles {
+        let physique = Physique::REFERENCE;
+        let mut stride = Stride::default();
+        let mut angles = StrideAngles::default();
+        for _ in 0..300 {
+            angles = stride.tick(&senses(left_ahead, speed), &physique, 0.01);
+        }
+        angles
+    }
+
+    #[test]
+    fn the_arm_of_the_foot_ahead_swings_back_and_that_hip_goes_forward() {
+        let angles = settled(0.66, 1.3);
+        assert!(angles.arms[0] < -0.2 && angles.arms[1] > 0.2, "{angles:?}");
+        assert!((angles.turn.to_degrees() + 6.0).abs() < 2.0, "the left hip forward: {}", angles.turn.to_degrees());
+        let mirrored = settled(-0.66, 1.3);
+        assert!((angles.arms[0] - mirrored.arms[1]).abs() < 1e-12 && (angles.turn + mirrored.turn).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_stand_with_one_foot_ahead_does_not_swing_its_arms() {
+        assert_eq!(settled(0.3, 0.0), StrideAngles { arms: [0.0, 0.0], ..StrideAngles::default() });
+    }
+}
