@@ -75,7 +75,10 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         Output { path: events.clone(), bytes: exported.events },
     ];
     if let Some(sheet) = &args.sheet {
-        outputs.push(Output { path: sheet.clone(), bytes: parts::sheet(&rig, &baked.clip, &baked.report) });
+        outputs.push(Output {
+            path: sheet.clone(),
+            bytes: parts::sheet(&rig, &baked.clip, &baked.report, &parts::seen_props(&baked)),
+        });
     }
     if let Some(plot) = &args.plot {
         let bytes = crate::picture::clip_plot(&baked.performance, &scenario).into_bytes();
