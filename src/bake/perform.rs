@@ -5,10 +5,10 @@
 
 use super::contacts::{self, FootContact};
 use super::timeline::Timeline;
-use super::{BakeError, balance, feet, reach};
+use super::{BakeError, balance, feet, knees, reach};
 use crate::maths::seed::Seed;
 use crate::measure::{Frame, KnownPush, PushPoint};
-use crate::model::scenario::{Character, Scenario};
+use crate::model::scenario::{Character, Direction, Scenario};
 use crate::model::{Body, Role, Side, Terrain};
 use crate::sim::{Script, SessionPush, SimulateOptions, TickState, Trace, simulate};
 use crate::stepper::{Physique, Style};
@@ -49,6 +49,8 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
     let pushes = known_pushes(body, scenario);
     let trace = run(body, &anatomy, &physique, scenario, &pushes);
     check(&trace)?;
+    let acted = pushes.iter().zip(&trace.pushes);
+    let pushes: Vec<KnownPush> = acted.map(|((push, _), acted)| KnownPush { force: acted.force, ..*push }).collect();
     let scale = (physique.com_height / 0.96).sqrt();
     let count = ((scenario.duration / trace.dt).round() as usize + 1).min(trace.ticks.len());
     let ticks = &trace.ticks[..count];
@@ -61,6 +63,7 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         com: ticks.iter().map(|tick| DVec3::new(tick.com.x, physique.com_height, tick.com.z)).collect(),
         shift: vec![DVec3::ZERO; count],
         lowering: vec![0.0; count],
+        bends: [Vec::new(), Vec::new()],
         upper: upper_body(ticks, trace.dt, &physique, seed, scenario),
         feet: feet::FootCurves::new(body, &physique, &trace.start, &trace.steps, still_until, scale),
         terrain: Terrain::new(&scenario.ground),
@@ -77,12 +80,14 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
             feet.ease_ankles(body, anatomy, &solved, &cop, *dt);
             held = contacts::held(&feet.contacts((count - 1) as f64 * *dt), frame);
         }
+        knees::even_knees(&mut timeline, &solved, scale);
         if pass > 0 {
             let poses: Vec<_> = solved.into_iter().map(|solved| solved.pose).collect();
             zmp_before_pass.push(balance::pass(&mut timeline, &poses, &held, &pushes));
         }
     }
     let solved = timeline.solve_all();
+    // The swinging legs' mass moves the hips: the bends stay, so that this lowering is the one that they need.
     reach::lower_into_reach(&mut timeline, &solved, scale);
     let mut lost = trace.lost;
     if lost.is_some()
@@ -111,19 +116,23 @@ fn held_until(timeline: &Timeline) -> Option<usize> {
 const OUT_OF_REACH: f64 = 5e-4;
 
 /// The scenario's pushes and pulls as forces on joints of the body, in order of start.
-fn known_pushes(body: &Body, scenario: &Scenario) -> Vec<KnownPush> {
-    let mut pushes: Vec<KnownPush> = scenario
+/// With each, whether its direction is the character's own: then as for one that faces +Z.
+fn known_pushes(body: &Body, scenario: &Scenario) -> Vec<(KnownPush, bool)> {
+    let mut pushes: Vec<(KnownPush, bool)> = scenario
         .push
         .iter()
         .chain(&scenario.pull)
-        .map(|push| KnownPush {
-            start: push.start,
-            end: push.end().min(scenario.duration),
-            force: push.toward.unit(0.0) * push.force,
-            at: PushPoint::Joint(nearest_joint(body, push.at)),
+        .map(|push| {
+            let known = KnownPush {
+                start: push.start,
+                end: push.end().min(scenario.duration),
+                force: push.toward.unit(0.0) * push.force,
+                at: PushPoint::Joint(nearest_joint(body, push.at)),
+            };
+            (known, !matches!(push.toward, Direction::Vector(_)))
         })
         .collect();
-    pushes.sort_by(|a, b| a.start.total_cmp(&b.start));
+    pushes.sort_by(|a, b| a.0.start.total_cmp(&b.0.start));
     pushes
 }
 
@@ -139,17 +148,24 @@ pub fn nearest_joint(body: &Body, role: Role) -> usize {
     0
 }
 
-fn run(body: &Body, anatomy: &Anatomy, physique: &Physique, scenario: &Scenario, pushes: &[KnownPush]) -> Trace {
+fn run(
+    body: &Body,
+    anatomy: &Anatomy,
+    physique: &Physique,
+    scenario: &Scenario,
+    pushes: &[(KnownPush, bool)],
+) -> Trace {
     let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
     let com = DVec3::Y * physique.com_height;
     let standing = Solver::new(body, anatomy).solve(&stand::stand_target(body, &plants, com, 0.0));
     let positions = standing.pose.positions(body);
     let pushes: Vec<SessionPush> = pushes
         .iter()
-        .map(|push| SessionPush {
+        .map(|(push, turns)| SessionPush {
             start: push.start,
             duration: push.end - push.start,
             force: push.force,
+            turns: *turns,
             arm: match push.at {
                 PushPoint::Joint(joint) => positions[joint].y - physique.com_height,
                 _ => 0.0,

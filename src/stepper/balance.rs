@@ -42,7 +42,10 @@ pub fn pressure(params: &Params, physique: &Physique, state: &State) -> DVec2 {
     let far = (error.length() / params.inner).min(1.0);
     let awake = (state.alarm / params.delay).min(1.0);
     let far = if state.intent.is_some() { 1.0 } else { far };
-    state.inset.nearest(xi + error * (params.gain * awake * awake * far * far))
+    // The ankles answer a shove gradually: until they do, the pressure stays under the centre of mass.
+    let answer = if state.alarm > 0.0 { (state.alarm / (0.5 * params.delay)).min(1.0) } else { 1.0 };
+    let com = ground(state.com);
+    state.inset.nearest(com + (xi - com) * answer + error * (params.gain * awake * awake * far * far))
 }
 
 /// The pressure under the stance foot that slows the fall most; a foot that crosses is met half-way, forward or back,
