@@ -5,10 +5,10 @@
 
 use super::contacts::{self, FootContact};
 use super::timeline::Timeline;
-use super::{BakeError, balance, feet, knees, reach};
+use super::{BakeError, balance, feet, footing, knees, reach};
 use crate::maths::seed::Seed;
 use crate::measure::{Frame, KnownPush, PushPoint};
-use crate::model::scenario::{Character, Direction, Scenario};
+use crate::model::scenario::{Character, Direction, GroundKind, Scenario};
 use crate::model::{Body, Role, Side, Terrain};
 use crate::sim::{Script, SessionPush, SimulateOptions, TickState, Trace, simulate};
 use crate::stepper::{Physique, Style};
@@ -54,19 +54,24 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
     let scale = (physique.com_height / 0.96).sqrt();
     let count = ((scenario.duration / trace.dt).round() as usize + 1).min(trace.ticks.len());
     let ticks = &trace.ticks[..count];
-    let still_until = pushes.first().map_or(0.0, |push| push.start);
+    let terrain = Terrain::new(&scenario.ground);
+    let still_until = still_until(scenario, &pushes);
+    let (start, steps) = footing::grounded(body, &terrain, &trace.start, &trace.steps);
+    let bases = footing::bases(body, &terrain, &start, &steps, trace.dt, count);
+    let height = |index: usize| physique.com_height + bases[index];
+    let path = ticks.iter().enumerate().map(|(index, tick)| DVec3::new(tick.com.x, height(index), tick.com.z));
     let mut timeline = Timeline {
         body: body.clone(),
         anatomy,
         dt: trace.dt,
         still_until,
-        com: ticks.iter().map(|tick| DVec3::new(tick.com.x, physique.com_height, tick.com.z)).collect(),
+        com: path.collect(),
         shift: vec![DVec3::ZERO; count],
         lowering: vec![0.0; count],
         bends: [Vec::new(), Vec::new()],
         upper: upper_body(ticks, trace.dt, &physique, seed, scenario),
-        feet: feet::FootCurves::new(body, &physique, &trace.start, &trace.steps, still_until, scale),
-        terrain: Terrain::new(&scenario.ground),
+        feet: feet::FootCurves::new(body, &physique, &start, &steps, still_until, scale, &terrain),
+        terrain,
     };
     let frame = Frame::of(&timeline.terrain);
     let cop: Vec<DVec2> = ticks.iter().map(|tick| tick.cop).collect();
@@ -99,6 +104,25 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
     }
     let contacts = timeline.feet.contacts(timeline.duration());
     Ok(Performance { timeline, trace, lost, contacts, pushes, physique, zmp_before_pass })
+}
+
+/// s, when the first thing happens: a push, the ground's turn, or what the character means to do. At rest before.
+fn still_until(scenario: &Scenario, pushes: &[KnownPush]) -> f64 {
+    let meant = (scenario.walk.iter().map(|walk| walk.start))
+        .chain(scenario.turn.iter().map(|turn| turn.start))
+        .chain(scenario.crouch.iter().map(|crouch| crouch.start))
+        .chain(scenario.stand.iter().map(|stand| stand.start));
+    let turning = match &scenario.ground.kind {
+        // The first point of either says from when on it turns: before, it holds.
+        GroundKind::Platform { pitch, roll } => [pitch, roll]
+            .into_iter()
+            .flat_map(|points| points.windows(2).find(|pair| pair[0][1] != pair[1][1]))
+            .map(|pair| pair[0][0])
+            .fold(f64::INFINITY, f64::min),
+        _ => f64::INFINITY,
+    };
+    let first = meant.chain(pushes.iter().map(|push| push.start)).fold(turning, f64::min);
+    if first.is_finite() { first.max(0.0) } else { 0.0 }
 }
 
 /// The last entry before a planted foot is out of its leg's reach; `None` where all are reached.
