@@ -6,12 +6,13 @@
 use super::contacts::{self, FootContact};
 use super::timeline::Timeline;
 use super::{BakeError, balance, feet, footing, knees, reach};
+use crate::maths::curve::smooth3;
 use crate::maths::seed::Seed;
 use crate::measure::{Frame, KnownPush, PushPoint};
 use crate::model::scenario::{Character, Direction, GroundKind, Scenario};
 use crate::model::{Body, Role, Side, Terrain};
 use crate::sim::{Script, SessionPush, SimulateOptions, TickState, Trace, simulate};
-use crate::stepper::{Physique, Style};
+use crate::stepper::{Phase, Physique, Style};
 use crate::whole_body::reaction::{Personality, Reaction, Senses, UpperAngles};
 use crate::whole_body::solve::Solved;
 use crate::whole_body::{Anatomy, Solver, stand};
@@ -68,6 +69,7 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         com: path.collect(),
         shift: vec![DVec3::ZERO; count],
         lowering: vec![0.0; count],
+        walking: walking(ticks, trace.dt, scale),
         bends: [Vec::new(), Vec::new()],
         upper: upper_body(ticks, trace.dt, &physique, seed, scenario),
         feet: feet::FootCurves::new(body, &physique, &start, &steps, still_until, scale, &terrain),
@@ -204,6 +206,19 @@ fn run(
     simulate(physique, &Script::of(scenario, pushes), &options)
 }
 
+/// How much each tick is a walk, 0..1: the gait is in charge, with a soft edge.
+fn walking(ticks: &[TickState], dt: f64, scale: f64) -> Vec<f64> {
+    let edge = (0.3 * scale / dt).round().max(1.0);
+    let mut share: Vec<f64> = ticks.iter().map(|tick| f64::from(u8::from(tick.gait != Phase::Rest))).collect();
+    for index in 1..share.len() {
+        share[index] = share[index].min(share[index - 1] + 1.0 / edge);
+    }
+    for index in (1..share.len()).rev() {
+        share[index - 1] = share[index - 1].min(share[index] + 1.0 / edge);
+    }
+    share.into_iter().map(smooth3).collect()
+}
+
 fn check(trace: &Trace) -> Result<(), BakeError> {
     for (index, tick) in trace.ticks.iter().enumerate() {
         let time = index as f64 * trace.dt;
@@ -229,19 +244,18 @@ fn upper_body(ticks: &[TickState], dt: f64, physique: &Physique, seed: u64, scen
         elbow: one(),
     };
     let mut reaction = Reaction::new(physique, personality, scenario.character.style.arms);
-    let script = Script::of(scenario, Vec::new());
-    let senses = |tick: &TickState, time: f64| Senses {
+    let senses = |tick: &TickState| Senses {
         acceleration: tick.acceleration,
         push: tick.push,
         push_moment: tick.push_moment,
         xi: tick.xi,
         velocity: DVec2::new(tick.velocity.x, tick.velocity.z),
-        wanted: script.intent(time).walk.unwrap_or(DVec2::ZERO),
+        wanted: tick.walk,
         feet: tick.feet,
         planted: tick.planted,
         facing: tick.facing,
     };
-    ticks.iter().enumerate().map(|(index, tick)| reaction.tick(&senses(tick, index as f64 * dt), dt)).collect()
+    ticks.iter().map(|tick| reaction.tick(&senses(tick), dt)).collect()
 }
 
 /// The stepper's dials from the scenario's.

@@ -10,6 +10,8 @@ use glam::DVec3;
 /// rad/s, mean speed at which a heel comes up (a smaller body's too, frames being what they are): faster, and toes and
 /// ankle snap.
 const FASTEST_ROLL: f64 = 1.05;
+/// rad/s, likewise of a walker's, whose heel comes up over ten frames.
+const FASTEST_STRIDE: f64 = 3.6;
 /// s, by how much a heel that lands after its ball begins to come down before the ball lands.
 const LEAD: f64 = 0.05;
 
@@ -50,15 +52,29 @@ impl Swing {
         let heel_off = (1.0 - 0.35 * backward)
             * ((if calm { 0.15 } else { 0.13 + 0.05 * forward.clamp(0.0, 1.0) }) * scale).min(room);
         let peak_after = (0.085 * scale).min(0.3 * duration);
+        // A walker rolls over the ball long before the foot leaves, and far.
+        let walks = step.kind == StepKind::Walk && forward > 0.25;
+        let (peak, heel_off, peak_after, fastest) = if walks {
+            (24.0 + 22.0 * forward.min(1.55), (0.30 * scale).min(1.1 * room), 0.04 * scale, FASTEST_STRIDE)
+        } else {
+            (peak, heel_off, peak_after, FASTEST_ROLL)
+        };
         let strike = if forward > 0.12 {
-            -(30.0 * (forward - 0.05)).min(18.0)
+            -(30.0 * (forward - 0.05)).min(if walks { 20.0 } else { 18.0 })
         } else if forward < -0.10 {
             (40.0 * (-forward - 0.05)).min(12.0)
         } else {
             0.0
         };
         // Flat again two or three frames after landing; from the ball a little later.
-        let settle = ((if strike > 0.0 { 0.15 } else { 0.085 }) * scale).min(0.35 * (after - step.land).max(0.0));
+        let settle = if strike > 0.0 {
+            0.15
+        } else if walks {
+            0.11
+        } else {
+            0.085
+        };
+        let settle = (settle * scale).min(0.35 * (after - step.land).max(0.0));
         Swing {
             lift: step.lift,
             land: step.land,
@@ -66,7 +82,7 @@ impl Swing {
             settle,
             peak_after,
             onward: forward > 0.1,
-            peak: peak.to_radians().min(FASTEST_ROLL / scale.max(1.0) * (heel_off + peak_after)),
+            peak: peak.to_radians().min(fastest / scale.max(1.0) * (heel_off + peak_after)),
             strike: strike.to_radians(),
             clearance: leg * (0.045 + 0.05 * distance.min(1.0)),
             aside: detour(step, other, physique),
