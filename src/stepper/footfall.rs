@@ -67,7 +67,7 @@ pub fn touchdown(
     (side, cop): (Side, DVec2),
     (wait, time): (f64, f64),
 ) -> (DVec2, DVec2) {
-    let omega = state.omega();
+    let omega = walk::omega(physique);
     let stance = &state.feet[side.other() as usize];
     let rear = ground(stance.ankle);
     let toe = support::forward(stance.yaw);
@@ -89,7 +89,7 @@ pub fn touchdown(
 
 /// m, how far ahead of the centre of mass the pressure balances a force that lasts.
 pub fn lean(physique: &Physique, state: &State) -> DVec2 {
-    let omega = state.omega();
+    let omega = walk::omega(physique);
     state.gait.lasting / (physique.mass * omega * omega)
 }
 
@@ -98,7 +98,7 @@ pub fn lean(physique: &Physique, state: &State) -> DVec2 {
 pub fn pivot(params: &Params, physique: &Physique, state: &State, rhythm: &Rhythm, side: Side) -> gait::Pivot {
     let rear = &state.feet[side.other() as usize];
     let yaws = [rear.yaw, state.facing + side.sign() * physique.toe_out];
-    let mut pivot = gait::pivot(rhythm, state.omega(), side, yaws, state.ahead, state.gait.velocity);
+    let mut pivot = gait::pivot(rhythm, walk::omega(physique), side, yaws, state.ahead, state.gait.velocity);
     let slack = params.leg_bias * (physique.com_height - state.com.y);
     pivot.lead += state.gait.velocity.normalize_or_zero() * slack;
     pivot
@@ -130,7 +130,7 @@ fn landing(
     } else {
         let step = pivot(params, physique, state, rhythm, side);
         let way = gait.velocity.normalize_or(state.ahead);
-        step.landing(rear, (com, velocity), (state.omega(), state.com.y.max(0.1), 0.0), way)
+        step.landing(rear, (com, velocity), (walk::omega(physique), state.com.y.max(0.1), 0.0), way)
     };
     let (from, gone) = match state.swing {
         Some(swing) if swing.side == side => (ground(swing.from.ankle), state.time - swing.lift),

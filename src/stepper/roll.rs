@@ -3,7 +3,7 @@
 
 use super::gait::{self, Rhythm};
 use super::support::{Support, Tread};
-use super::walk::{Phase, rhythm_now};
+use super::walk::{Phase, omega, rhythm_now};
 use super::{Params, Physique, State, StepKind, footfall, ground, support};
 use crate::model::Side;
 use glam::DVec2;
@@ -52,7 +52,7 @@ fn feedback(
     (wait, time): (f64, f64),
 ) -> DVec2 {
     let gait = &state.gait;
-    let omega = state.omega();
+    let omega = omega(physique);
     let (com, velocity) = footfall::touchdown(params, physique, state, rhythm, (gait.side, now), (wait, time));
     let xi = com + velocity / omega;
     let mut error = xi - steady_xi(params, physique, state, rhythm, gait.side);
@@ -80,7 +80,7 @@ pub fn contact(params: &Params, state: &State, side: Side) -> DVec2 {
 /// The pressure that brings the weight over the stance foot and forward of it, first away from it.
 fn prepare(params: &Params, physique: &Physique, state: &State, dt: f64) -> DVec2 {
     let gait = &state.gait;
-    let omega = state.omega();
+    let omega = omega(physique);
     let rhythm = &rhythm_now(params, physique, state);
     let stance = &state.feet[gait.side.other() as usize];
     let early = ground(stance.ankle) + support::forward(stance.yaw) * params.com_forward;

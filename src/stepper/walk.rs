@@ -8,6 +8,7 @@ use super::gait::{self, Rhythm};
 use super::support::{Support, Tread};
 use super::{Inputs, Params, Physique, State, StepKind, Swing, footfall, ground, roll, swing};
 use super::{Passing, balance};
+use crate::maths::pendulum;
 use crate::model::Side;
 use glam::DVec2;
 
@@ -237,4 +238,9 @@ pub fn landed(params: &Params, physique: &Physique, state: &mut State, side: Sid
         state.cop = roll::contact(params, state, side);
         state.gait.from = state.cop;
     }
+}
+
+/// 1/s, the pendulum's rate at the height of a walking centre of mass.
+pub fn omega(physique: &Physique) -> f64 {
+    pendulum::rate((0.975 * physique.com_height).max(1e-3))
 }
