@@ -67,14 +67,14 @@ pub fn touchdown(
     (side, cop): (Side, DVec2),
     (wait, time): (f64, f64),
 ) -> (DVec2, DVec2) {
-    let omega = walk::omega(physique);
+    let omega = walk::omega(params, physique);
     let stance = &state.feet[side.other() as usize];
     let rear = ground(stance.ankle);
     let toe = support::forward(stance.yaw);
     // what a shove will yet do, over the force that lasts
     let goes_on = state.pushed.min(params.expect).min((wait + time).max(0.0));
     let more = (state.touch - state.gait.lasting) * (goes_on / physique.mass);
-    let (mut com, mut velocity) = (ground(state.com) + lean(physique, state), ground(state.velocity) + more);
+    let (mut com, mut velocity) = (ground(state.com) + lean(params, physique, state), ground(state.velocity) + more);
     let mut cop = cop;
     if wait > 0.0 {
         let early = rear + toe * rhythm.roll[0];
@@ -88,8 +88,8 @@ pub fn touchdown(
 }
 
 /// m, how far ahead of the centre of mass the pressure balances a force that lasts.
-pub fn lean(physique: &Physique, state: &State) -> DVec2 {
-    let omega = walk::omega(physique);
+pub fn lean(params: &Params, physique: &Physique, state: &State) -> DVec2 {
+    let omega = walk::omega(params, physique);
     state.gait.lasting / (physique.mass * omega * omega)
 }
 
@@ -98,9 +98,11 @@ pub fn lean(physique: &Physique, state: &State) -> DVec2 {
 pub fn pivot(params: &Params, physique: &Physique, state: &State, rhythm: &Rhythm, side: Side) -> gait::Pivot {
     let rear = &state.feet[side.other() as usize];
     let yaws = [rear.yaw, state.facing + side.sign() * physique.toe_out];
-    let mut pivot = gait::pivot(rhythm, walk::omega(physique), side, yaws, state.ahead, state.gait.velocity);
+    let mut pivot = gait::pivot(rhythm, walk::omega(params, physique), side, yaws, state.ahead, state.gait.velocity);
     let slack = params.leg_bias * (physique.com_height - state.com.y);
-    pivot.lead += state.gait.velocity.normalize_or_zero() * slack;
+    let slack = state.gait.velocity.normalize_or_zero() * slack;
+    pivot.lead += slack;
+    pivot.then += slack;
     pivot
 }
 
@@ -130,7 +132,7 @@ fn landing(
     } else {
         let step = pivot(params, physique, state, rhythm, side);
         let way = gait.velocity.normalize_or(state.ahead);
-        step.landing(rear, (com, velocity), (walk::omega(physique), state.com.y.max(0.1), 0.0), way)
+        step.landing(rear, (com, velocity), (walk::omega(params, physique), state.com.y.max(0.1), 0.0), way)
     };
     let (from, gone) = match state.swing {
         Some(swing) if swing.side == side => (ground(swing.from.ankle), state.time - swing.lift),

@@ -40,7 +40,13 @@ pub fn integrate(params: &Params, physique: &Physique, state: &mut State, inputs
         .into_iter()
         .filter(|&side| state.planted(side))
         .map(|side| {
-            hip(params, ground(state.com), state.ahead, side).distance_squared(ground(state.feet[side as usize].ankle))
+            let foot = ground(state.feet[side as usize].ankle);
+            let away = hip(params, ground(state.com), state.ahead, side) - foot;
+            if walking {
+                away.dot(state.gait.velocity.normalize_or(state.ahead)).powi(2)
+            } else {
+                away.length_squared()
+            }
         })
         .fold(f64::INFINITY, f64::min);
     let height = physique.com_height;

@@ -52,7 +52,7 @@ fn feedback(
     (wait, time): (f64, f64),
 ) -> DVec2 {
     let gait = &state.gait;
-    let omega = omega(physique);
+    let omega = omega(params, physique);
     let (com, velocity) = footfall::touchdown(params, physique, state, rhythm, (gait.side, now), (wait, time));
     let xi = com + velocity / omega;
     let mut error = xi - steady_xi(params, physique, state, rhythm, gait.side);
@@ -80,7 +80,7 @@ pub fn contact(params: &Params, state: &State, side: Side) -> DVec2 {
 /// The pressure that brings the weight over the stance foot and forward of it, first away from it.
 fn prepare(params: &Params, physique: &Physique, state: &State, dt: f64) -> DVec2 {
     let gait = &state.gait;
-    let omega = omega(physique);
+    let omega = omega(params, physique);
     let rhythm = &rhythm_now(params, physique, state);
     let stance = &state.feet[gait.side.other() as usize];
     let early = ground(stance.ankle) + support::forward(stance.yaw) * params.com_forward;
@@ -98,7 +98,7 @@ fn prepare(params: &Params, physique: &Physique, state: &State, dt: f64) -> DVec
     let hold = left_over - over;
     let kept = (-omega * hold).exp();
     let [one, two] = gait::weights(omega, hold, over);
-    let xi = state.xi() + footfall::lean(physique, state);
+    let xi = state.xi() + footfall::lean(params, physique, state);
     let pivot = (xi - at_lift * (-omega * left_over).exp() - early * two) / (1.0 - kept + one);
     let pivot = state.inset.nearest(pivot);
     state.cop + (pivot - state.cop) * (1.0 - (-dt / params.lag).exp())
