@@ -138,11 +138,14 @@ fn landing(
         Some(swing) if swing.side == side => (ground(swing.from.ankle), state.time - swing.lift),
         _ => (ground(state.feet[side as usize].ankle), 0.0),
     };
-    let ankle = bounded(params, physique, state, (wanted, from, rear, out), com, gone + time);
-    Footfall { plant: gait::plant(physique, state, side, ankle), off: ankle.distance(wanted), wait, time }
+    let reach = |across: bool| bounded(params, physique, state, (wanted, from, rear, out), com, gone + time, across);
+    let (own, over) = (reach(false), reach(true));
+    let [straight, crossed] = [own, over].map(|ankle| ankle.distance(wanted));
+    let (ankle, off) = if crossed + 0.1 * params.size < straight { (over, crossed) } else { (own, straight) };
+    Footfall { plant: gait::plant(physique, state, side, ankle), off, wait, time }
 }
 
-/// The nearest landing that legs can do in `fly` s.
+/// The nearest landing that legs can do in `fly` s: on the foot's own side, or across in front of the other one.
 fn bounded(
     params: &Params,
     physique: &Physique,
@@ -150,6 +153,7 @@ fn bounded(
     (wanted, from, rear, out): (DVec2, DVec2, DVec2, DVec2),
     com: DVec2,
     fly: f64,
+    across: bool,
 ) -> DVec2 {
     let hip = com - state.ahead * params.com_forward + out * (0.5 * params.width);
     let far = params.ankle_speed * fly / swing::WALK_PEAK;
@@ -159,9 +163,14 @@ fn bounded(
         ankle = hip + (ankle - hip).clamp_length_max(params.reach);
         ankle = from + (ankle - from).clamp_length_max(far);
         let relative = ankle - rear;
-        let past = (relative.dot(state.ahead).abs() / foot).min(1.0);
-        let gap = params.step_gap * (1.0 - 0.7 * past * past);
-        ankle += out * (gap - relative.dot(out)).max(0.0);
+        let (beside, before) = (relative.dot(out), relative.dot(state.ahead));
+        if across {
+            ankle += out * (-params.most_across - beside).max(0.0);
+            ankle += state.ahead * (params.pass + 0.5 * beside.max(0.0) - before).max(0.0);
+        } else {
+            let past = (before.abs() / foot).min(1.0);
+            ankle += out * (params.step_gap * (1.0 - 0.7 * past * past) - beside).max(0.0);
+        }
     }
     ankle
 }
