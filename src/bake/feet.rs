@@ -13,11 +13,18 @@ use crate::whole_body::Anatomy;
 use crate::whole_body::solve::{FootTarget, Solved};
 use glam::{DQuat, DVec2, DVec3};
 
-/// rad/s, mean speed at which a heel comes up: faster, and the ankle snaps.
-const FASTEST_ROLL: f64 = 1.2;
+/// rad/s, mean speed at which a heel comes up (a smaller body's too, frames being what they are): faster, and toes and
+/// ankle snap.
+const FASTEST_ROLL: f64 = 1.05;
+/// rad/s, likewise of a walker's, whose heel comes up over ten frames.
+const FASTEST_STRIDE: f64 = 3.6;
+/// s, by how much a heel that lands after its ball begins to come down before the ball lands.
+const LEAD: f64 = 0.05;
 
 /// rad, dorsiflexion past which the heel comes up: a little inside of the ankle's range of 30 degrees.
 const DORSIFLEXION: f64 = 26.0 * std::f64::consts::PI / 180.0;
+/// rad, the same of a walker, whose heel leaves sooner.
+const WALKING_DORSIFLEXION: f64 = 13.0 * std::f64::consts::PI / 180.0;
 /// s, the longest that a foot stays on its ball after landing: longer, and the weight behind it has nothing to stand on.
 const LONGEST_SETTLE: f64 = 0.16;
 /// Part of the way from ankle to ball that the pressure must be past before the heel may rise early.
@@ -59,6 +66,7 @@ struct Swing {
     peak_after: f64,
     peak: f64,    // rad, largest pitch, a little after lift
     strike: f64,  // rad, pitch at landing: below 0 heel first, over 0 ball first
+    walks: bool,  // one of the gait
     onward: bool, // it goes forwards: the weight is on the ball before it leaves
     clearance: f64,
     aside: DVec3, // horizontal detour at mid-swing, m
@@ -133,9 +141,10 @@ impl FootCurves {
                     let time = index as f64 * dt;
                     let forwards = lean(index, swing.from.yaw);
                     let pitch = swing.pitch(time);
-                    if swing.onward && ahead(index, &swing.from) > 0.0 && forwards - pitch > DORSIFLEXION {
+                    let most = if swing.walks { WALKING_DORSIFLEXION } else { DORSIFLEXION };
+                    if swing.onward && ahead(index, &swing.from) > 0.0 && forwards - pitch > most {
                         swing.heel_off = swing.heel_off.max((swing.lift - time + 0.05).min(swing.lift - before));
-                        swing.peak = swing.peak.max((forwards - DORSIFLEXION + 0.10).min(MOST_PITCH));
+                        swing.peak = swing.peak.max((forwards - most + 0.10).min(MOST_PITCH));
                     }
                 }
                 // The leg lands as its shank leans: reaching ahead heel first, under the body flat, behind it ball first.
@@ -227,7 +236,14 @@ impl FootPath {
     /// The foot with its ankle there; `foot` and `toe` are turns of the levelled foot that points along +Z.
     fn pose(&self, ankle: DVec3, yaw: f64, foot: DQuat, toe: DQuat) -> FootTarget {
         let from_rest = DQuat::from_rotation_y(-self.rest_yaw);
-        FootTarget { ankle, foot: foot * from_rest * self.level, toe: toe * from_rest * self.toe_level, yaw, soft: 0.0 }
+        FootTarget {
+            ankle,
+            foot: foot * from_rest * self.level,
+            toe: toe * from_rest * self.toe_level,
+            yaw,
+            soft: 0.0,
+            bend: None,
+        }
     }
 
     fn flat_ankle(&self, plant: &Plant) -> DVec3 {
@@ -342,23 +358,38 @@ impl Swing {
         let heel_off = (1.0 - 0.35 * backward)
             * ((if calm { 0.15 } else { 0.13 + 0.05 * forward.clamp(0.0, 1.0) }) * scale).min(room);
         let peak_after = (0.085 * scale).min(0.3 * duration);
+        // A walker rolls over the ball long before the foot leaves, and far.
+        let walks = step.kind == StepKind::Walk && forward > 0.25;
+        let (peak, heel_off, peak_after, fastest) = if walks {
+            (24.0 + 22.0 * forward.min(1.55), (0.30 * scale).min(1.1 * room), 0.04 * scale, FASTEST_STRIDE)
+        } else {
+            (peak, heel_off, peak_after, FASTEST_ROLL)
+        };
         let strike = if forward > 0.12 {
-            -(30.0 * (forward - 0.05)).min(18.0)
+            -(30.0 * (forward - 0.05)).min(if walks { 20.0 } else { 18.0 })
         } else if forward < -0.10 {
             (40.0 * (-forward - 0.05)).min(12.0)
         } else {
             0.0
         };
         // Flat again two or three frames after landing; from the ball a little later.
-        let settle = ((if strike > 0.0 { 0.15 } else { 0.085 }) * scale).min(0.35 * (after - step.land).max(0.0));
+        let settle = if strike > 0.0 {
+            0.15
+        } else if walks {
+            0.11
+        } else {
+            0.085
+        };
+        let settle = (settle * scale).min(0.35 * (after - step.land).max(0.0));
         Swing {
             lift: step.lift,
             land: step.land,
             heel_off,
             settle,
             peak_after,
+            walks,
             onward: forward > 0.1,
-            peak: peak.to_radians().min(FASTEST_ROLL / scale * (heel_off + peak_after)),
+            peak: peak.to_radians().min(fastest / scale.max(1.0) * (heel_off + peak_after)),
             strike: strike.to_radians(),
             clearance: leg * (0.045 + 0.05 * distance.min(1.0)),
             aside: detour(step, other, physique),
@@ -367,17 +398,31 @@ impl Swing {
         }
     }
 
+    /// Pitch that the heel's rise alone gives.
+    fn rise(&self, time: f64) -> f64 {
+        self.peak * smooth5((time - self.lift + self.heel_off) / (self.heel_off + self.peak_after))
+    }
+
     /// Pitch at a time between heel off and flat.
     fn pitch(&self, time: f64) -> f64 {
         let (start, top) = (self.lift - self.heel_off, self.lift + self.peak_after);
         if time <= start {
             0.0
-        } else if time <= top {
-            self.peak * smooth5((time - start) / (top - start))
-        } else if time <= self.land {
-            self.peak + (self.strike - self.peak) * smooth5((time - top) / (self.land - top))
+        } else if time <= top && (self.strike <= self.peak || time <= self.lift) {
+            self.rise(time)
         } else {
-            self.strike * (1.0 - smooth3((time - self.land) / self.settle.max(1e-9)))
+            let turn = self.land - if self.strike > 0.0 { LEAD.min(0.25 * (self.land - top)) } else { 0.0 };
+            if time <= turn {
+                let more = self.strike - self.peak;
+                if more > 0.0 {
+                    // A heel that lands higher than it left rises all the way.
+                    self.rise(time) + more * smooth3((time - self.lift) / (turn - self.lift))
+                } else {
+                    self.peak + more * smooth5((time - top) / (turn - top))
+                }
+            } else {
+                self.strike * (1.0 - smooth3((time - turn) / (self.land - turn + self.settle).max(1e-9)))
+            }
         }
     }
 }

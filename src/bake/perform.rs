@@ -5,13 +5,14 @@
 
 use super::contacts::{self, FootContact};
 use super::timeline::Timeline;
-use super::{BakeError, balance, feet, reach};
+use super::{BakeError, balance, feet, knees, reach};
+use crate::maths::curve::smooth3;
 use crate::maths::seed::Seed;
 use crate::measure::{KnownPush, PushPoint};
 use crate::model::scenario::{Character, Direction, Scenario};
 use crate::model::{Body, Role, Side};
 use crate::sim::{Script, SessionPush, SimulateOptions, TickState, Trace, simulate};
-use crate::stepper::{Physique, Style};
+use crate::stepper::{Phase, Physique, Style};
 use crate::whole_body::reaction::{Personality, Reaction, Senses, UpperAngles};
 use crate::whole_body::solve::Solved;
 use crate::whole_body::{Anatomy, Solver, stand};
@@ -63,6 +64,8 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         com: ticks.iter().map(|tick| DVec3::new(tick.com.x, physique.com_height, tick.com.z)).collect(),
         shift: vec![DVec3::ZERO; count],
         lowering: vec![0.0; count],
+        walking: walking(ticks, trace.dt, scale),
+        bends: [Vec::new(), Vec::new()],
         upper: upper_body(ticks, trace.dt, &physique, seed, scenario),
         feet: feet::FootCurves::new(body, &physique, &trace.start, &trace.steps, still_until, scale),
     };
@@ -77,12 +80,14 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
             feet.ease_ankles(body, anatomy, &solved, &cop, *dt);
             held = contacts::held(&feet.contacts((count - 1) as f64 * *dt));
         }
+        knees::even_knees(&mut timeline, &solved, scale);
         if pass > 0 {
             let poses: Vec<_> = solved.into_iter().map(|solved| solved.pose).collect();
             zmp_before_pass.push(balance::pass(&mut timeline, &poses, &held, &pushes));
         }
     }
     let solved = timeline.solve_all();
+    // The swinging legs' mass moves the hips: the bends stay, so that this lowering is the one that they need.
     reach::lower_into_reach(&mut timeline, &solved, scale);
     let mut lost = trace.lost;
     if lost.is_some()
@@ -175,6 +180,19 @@ fn run(
     simulate(physique, &Script::of(scenario, pushes), &options)
 }
 
+/// How much each tick is a walk, 0..1: the gait is in charge, with a soft edge.
+fn walking(ticks: &[TickState], dt: f64, scale: f64) -> Vec<f64> {
+    let edge = (0.3 * scale / dt).round().max(1.0);
+    let mut share: Vec<f64> = ticks.iter().map(|tick| f64::from(u8::from(tick.gait != Phase::Rest))).collect();
+    for index in 1..share.len() {
+        share[index] = share[index].min(share[index - 1] + 1.0 / edge);
+    }
+    for index in (1..share.len()).rev() {
+        share[index - 1] = share[index - 1].min(share[index] + 1.0 / edge);
+    }
+    share.into_iter().map(smooth3).collect()
+}
+
 fn check(trace: &Trace) -> Result<(), BakeError> {
     for (index, tick) in trace.ticks.iter().enumerate() {
         let time = index as f64 * trace.dt;
@@ -200,19 +218,18 @@ fn upper_body(ticks: &[TickState], dt: f64, physique: &Physique, seed: u64, scen
         elbow: one(),
     };
     let mut reaction = Reaction::new(physique, personality, scenario.character.style.arms);
-    let script = Script::of(scenario, Vec::new());
-    let senses = |tick: &TickState, time: f64| Senses {
+    let senses = |tick: &TickState| Senses {
         acceleration: tick.acceleration,
         push: tick.push,
         push_moment: tick.push_moment,
         xi: tick.xi,
         velocity: DVec2::new(tick.velocity.x, tick.velocity.z),
-        wanted: script.intent(time).walk.unwrap_or(DVec2::ZERO),
+        wanted: tick.walk,
         feet: tick.feet,
         planted: tick.planted,
         facing: tick.facing,
     };
-    ticks.iter().enumerate().map(|(index, tick)| reaction.tick(&senses(tick, index as f64 * dt), dt)).collect()
+    ticks.iter().map(|tick| reaction.tick(&senses(tick), dt)).collect()
 }
 
 /// The stepper's dials from the scenario's.
