@@ -128,7 +128,15 @@ fn landing(
     let out = state.aside() * side.sign();
     let wanted = if gait.last {
         let distance = pendulum::step_distance(velocity.length(), 0.0, state.com.y, 0.0);
-        com + velocity.normalize_or_zero() * distance + out * (0.5 * params.width) - state.ahead * params.com_forward
+        let stop = com + velocity.normalize_or_zero() * distance;
+        // while the weight comes over from the rear foot, the fall goes on
+        let late = rear + support::forward(stance.yaw) * rhythm.roll[1];
+        let stop = stop + (stop - late) * (params.transfer / (1.0 - params.transfer));
+        let ankle = stop + out * (0.5 * params.width) - state.ahead * params.com_forward;
+        let past = (ankle - rear).dot(state.ahead);
+        let going = velocity.dot(state.ahead).signum();
+        let near = past * going < 0.05 * params.size && past * going > -0.12 * params.size;
+        if near { ankle - state.ahead * past } else { ankle }
     } else {
         let step = pivot(params, physique, state, rhythm, side);
         let way = gait.velocity.normalize_or(state.ahead);

@@ -118,6 +118,7 @@ pub struct Params {
     pub stumble: f64,     // m, a wanted landing so far out of reach wants a corrective step
     pub brief: f64,       // s, the swings of the first and the last step are no longer than so
     pub least_swing: f64, // s, a hasty swing of the gait
+    pub transfer: f64,    // share of the rear foot in the pivot of the step that stops
     pub walk_gain: f64,   // of ankle feedback on ξ at touchdown
     pub leg_change: bool, // legs give and stretch
     // Comfort.
@@ -207,6 +208,7 @@ impl Params {
             least_swing: dial(0.34, 0.28, 0.20) * tempo,
 
             brief: 0.45 * tempo,
+            transfer: 0.14,
             walk_gain: 0.7,
             leg_change: style.leg_change,
             stagger: 0.05 * size,

@@ -59,7 +59,10 @@ fn feedback(
     if gait.last {
         let stance = ground(state.feet[gait.side.other() as usize].ankle);
         let middle = stance + state.aside() * (0.5 * gait.side.sign() * params.width);
-        error = state.aside() * (xi - middle).dot(state.aside());
+        let off = xi - middle - state.ahead * params.com_forward;
+        let way = ground(state.velocity).normalize_or_zero();
+        let (aside, behind) = (off.dot(state.aside()), off.dot(state.ahead) * way.dot(state.ahead).signum());
+        error = state.aside() * aside + state.ahead * (behind.min(0.0) * way.dot(state.ahead).signum());
     }
     error * (params.walk_gain / ((omega * (wait + time).max(0.2 * params.tempo)).exp() - 1.0))
 }

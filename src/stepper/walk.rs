@@ -205,6 +205,7 @@ fn lift(params: &Params, physique: &Physique, state: &mut State, inputs: &Inputs
     let ticks = (single / dt).round().max(2.0);
     let land = state.time + ticks * dt;
     let slow = (state.gait.velocity.length() - params.ramp * ticks * dt) < 0.2 * params.size / params.tempo;
+    let slow = slow && state.velocity.length() < 0.68 * params.size / params.tempo;
     let last = slow && inputs.walk.is_none_or(|walk| walk == DVec2::ZERO);
     enter(state, Phase::Single, side, ticks * dt);
     state.gait.last = last;
