@@ -11,7 +11,7 @@ use super::paint::{self, Ink};
 use super::plan;
 use super::raster::{Camera, Canvas, Lights, Surface};
 use super::shadow::GroundShadow;
-use super::stage::Stage;
+use super::stage::{self, Stage};
 use super::text::{self, Face, Pen};
 use glam::{DVec2, DVec3};
 use image::{Rgba, RgbaImage, imageops};
@@ -166,8 +166,10 @@ fn picture(frame: &Frame, camera: &Camera, width: usize, height: usize) -> RgbaI
         let shadow = GroundShadow::cast_over(&frame.surfaces, lamp, &near);
         let dark = |point: DVec3| shadow.as_ref().map_or(0.0, |shadow| shadow.on(point));
         canvas.sky(camera);
+        let foot = frame.overlay.com.map_or(DVec3::ZERO, |com| DVec3::new(com.x, level, com.z));
         for (surface, turn) in &stage.ground {
             let back = turn.inverse();
+            let surface = &stage::seen_past(surface, foot, camera.eye);
             canvas.ground(camera, &lights, surface, &|point| flat(back * point), &dark);
         }
         marks::draw_ground(&mut canvas, camera, &frame.overlay);

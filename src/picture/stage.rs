@@ -7,7 +7,10 @@ use crate::model::props::{Mesh, Prop};
 use glam::{DQuat, DVec2, DVec3};
 
 /// m; longer edges of the ground are split, so that what reaches behind the camera is left out by small pieces.
-const LONGEST_EDGE: f64 = 0.6;
+const LONGEST_EDGE: f64 = 0.35;
+
+/// m before the body, from where on ground that hides it is left out.
+const CUT: f64 = 0.45;
 
 /// What stands around the body.
 #[derive(Clone, Debug, Default)]
@@ -61,6 +64,24 @@ impl Stage {
         }
         highest.unwrap_or(0.0)
     }
+}
+
+/// A ground without the pieces that hide what stands at `foot` from an eye: it is cut open before the body.
+pub fn seen_past(surface: &Surface<'static>, foot: DVec3, eye: DVec3) -> Surface<'static> {
+    let sight = eye - foot;
+    let ahead = DVec2::new(sight.x, sight.z);
+    let (toward, far) = (ahead.normalize_or_zero(), ahead.length().max(1e-6));
+    let hides = |point: &DVec3| {
+        let off = *point - foot;
+        let near = DVec2::new(off.x, off.z).dot(toward);
+        near > CUT && off.y > 0.02 + (near - CUT) * sight.y / far
+    };
+    let kept = surface.indices.chunks_exact(3).filter(|triangle| {
+        let corners = triangle.iter().filter_map(|at| surface.positions.get(*at as usize));
+        !corners.into_iter().any(hides)
+    });
+    let indices: Vec<u32> = kept.flatten().copied().collect();
+    Surface { indices: indices.into(), ..surface.clone() }
 }
 
 /// m, the height of a triangle over (x, z), if it is there.
