@@ -24,8 +24,8 @@ pub struct Rhythm {
     pub roll: [f64; 2],
 }
 
-/// The rhythm in which people walk at that velocity, m/s (x, z).
-pub fn rhythm(params: &Params, physique: &Physique, ahead: DVec2, velocity: DVec2) -> Rhythm {
+/// The rhythm in which people walk at that velocity, m/s (x, z), where no step is longer than `longest` m.
+pub fn rhythm(params: &Params, physique: &Physique, ahead: DVec2, velocity: DVec2, longest: f64) -> Rhythm {
     let pace = velocity * (params.tempo / params.size); // of the reference body
     let speed = pace.length();
     let way = pace / speed.max(1e-9);
@@ -33,7 +33,7 @@ pub fn rhythm(params: &Params, physique: &Physique, ahead: DVec2, velocity: DVec
     let forward = if along > 0.0 { 0.0065 } else { 0.0050 };
     let ratio = forward * along * along + 0.0018 * across * across; // m per step/min
     let cadence = (60.0 * speed / ratio.max(1e-4)).sqrt().max(66.0);
-    let step = 60.0 / cadence;
+    let step = (60.0 / cadence).min(longest / params.size / speed.max(1e-9));
     let share = (0.24 - 0.133 * (speed - 1.2)).clamp(0.14, 0.36);
     let travel = speed * step * across.abs() * params.size;
     let foot = physique.tip - physique.heel;

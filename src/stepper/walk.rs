@@ -6,10 +6,10 @@
 
 use super::gait::{self, Rhythm};
 use super::support::{Support, Tread};
-use super::{Inputs, Params, Physique, State, StepKind, Swing, footfall, ground, roll, swing};
+use super::{Inputs, Params, Physique, State, StepKind, Swing, footfall, footing, ground, roll, swing};
 use super::{Passing, balance};
 use crate::maths::pendulum;
-use crate::model::Side;
+use crate::model::{Side, Terrain};
 use glam::DVec2;
 
 /// Where in the gait.
@@ -48,6 +48,8 @@ pub struct Gait {
     pub lasting: DVec2,
     /// This step is the last one.
     pub last: bool,
+    /// m, the longest step that the ground allows.
+    pub longest: f64,
 }
 
 impl Gait {
@@ -65,18 +67,21 @@ impl Gait {
             shift: none,
             lasting: none,
             last: false,
+            longest: f64::INFINITY,
         }
     }
 }
 
 /// Follows the command.
-pub fn steer(params: &Params, state: &mut State, inputs: &Inputs, dt: f64) {
+pub fn steer(params: &Params, terrain: &Terrain, state: &mut State, inputs: &Inputs, dt: f64) {
     let wanted = inputs.walk.unwrap_or(DVec2::ZERO);
     let gait = &mut state.gait;
     if gait.phase == Phase::Rest && wanted == DVec2::ZERO && gait.velocity == DVec2::ZERO {
         return;
     }
     gait.tick = dt;
+    gait.longest = footing::longest(terrain, params, ground(state.com), wanted.normalize_or(state.ahead));
+    let wanted = wanted.clamp_length_max(gait.longest / (0.55 * params.tempo));
     let most = params.ramp * dt;
     let first = 0.5 * params.size / params.tempo;
     let wanted = if gait.phase == Phase::Start { wanted.clamp_length_max(first) } else { wanted };
@@ -93,6 +98,7 @@ pub fn steer(params: &Params, state: &mut State, inputs: &Inputs, dt: f64) {
 pub fn both_down(
     params: &Params,
     physique: &Physique,
+    terrain: &Terrain,
     state: &mut State,
     inputs: &Inputs,
     dt: f64,
@@ -145,7 +151,7 @@ pub fn both_down(
         state.gait.until = state.time + dt;
         return (true, None);
     }
-    (true, Some(lift(params, physique, state, inputs, (single, dt))))
+    (true, Some(lift(params, physique, terrain, state, inputs, (single, dt))))
 }
 
 /// Enters the gait: from a stand by shifting the weight, on the move at once.
@@ -192,7 +198,7 @@ fn enter(state: &mut State, phase: Phase, side: Side, time: f64) {
 /// The rhythm of the commanded velocity, in whole ticks.
 pub fn rhythm_now(params: &Params, physique: &Physique, state: &State) -> Rhythm {
     let tick = state.gait.tick;
-    let rhythm = gait::rhythm(params, physique, state.ahead, state.gait.velocity);
+    let rhythm = gait::rhythm(params, physique, state.ahead, state.gait.velocity, state.gait.longest);
     let whole = |time: f64| (time / tick).round() * tick;
     let single = whole(rhythm.step - rhythm.double).max(2.0 * tick);
     let step = whole(rhythm.step).max(single);
@@ -200,7 +206,14 @@ pub fn rhythm_now(params: &Params, physique: &Physique, state: &State) -> Rhythm
 }
 
 /// Lifts the foot.
-fn lift(params: &Params, physique: &Physique, state: &mut State, inputs: &Inputs, (single, dt): (f64, f64)) -> Side {
+fn lift(
+    params: &Params,
+    physique: &Physique,
+    terrain: &Terrain,
+    state: &mut State,
+    inputs: &Inputs,
+    (single, dt): (f64, f64),
+) -> Side {
     let side = state.gait.side;
     let ticks = (single / dt).round().max(2.0);
     let land = state.time + ticks * dt;
@@ -210,6 +223,8 @@ fn lift(params: &Params, physique: &Physique, state: &mut State, inputs: &Inputs
     enter(state, Phase::Single, side, ticks * dt);
     state.gait.last = last;
     let to = footfall::plan(params, physique, state, side, (0.0, ticks * dt), (0.0, ticks * dt)).plant;
+    let aim = ground(to.ankle);
+    let to = footing::set_down(terrain, physique, aim, to.yaw, land);
     let from = state.feet[side as usize];
     let stance = ground(state.feet[side.other() as usize].ankle);
     let round = swing::round(ground(from.ankle), ground(to.ankle), stance, state.aside() * side.sign());
@@ -220,6 +235,7 @@ fn lift(params: &Params, physique: &Physique, state: &mut State, inputs: &Inputs
         land,
         from,
         to,
+        aim,
         passing: Passing::Own,
         round,
         detour: swing::detour(ground(from.ankle), ground(to.ankle), stance, round, params.step_gap),
