@@ -4,15 +4,19 @@
 //! as an engine would and says what it measured. Scenario space until the keys. No file is touched here.
 
 mod balance;
+mod clearance;
 pub mod contacts;
 pub mod feet;
+pub mod footing;
 pub mod keys;
 mod knees;
 mod leg_chain;
 pub mod perform;
+pub mod props;
 mod reach;
 mod report;
 pub mod root_motion;
+mod swing;
 pub mod timeline;
 mod track;
 
@@ -21,7 +25,7 @@ pub use root_motion::RootMotion;
 
 use crate::measure::Findings;
 use crate::model::scenario::Scenario;
-use crate::model::{Body, Clip, ClipReport};
+use crate::model::{Body, Clip, ClipReport, Prop};
 use crate::rig::Rig;
 
 /// How to bake.
@@ -48,6 +52,8 @@ pub struct Baked {
     pub performance: Performance,
     /// All that was measured on the clip; the report holds a part.
     pub findings: Option<Findings>,
+    /// What stands and moves beside the body: the ground first.
+    pub props: Vec<Prop>,
     /// For a person: what is not as asked.
     pub warnings: Vec<String>,
 }
@@ -84,7 +90,7 @@ pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Bak
     let name = options.name.clone().unwrap_or_else(|| safe_name(&scenario.title));
     let timeline = &performance.timeline;
     let keyed = |root_motion: RootMotion| {
-        keys::keyed_clip(&keys::KeyInput {
+        let input = keys::KeyInput {
             rig,
             name: &name,
             fps: options.fps,
@@ -92,7 +98,8 @@ pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Bak
             pose: &|time| timeline.pose_at(time),
             contacts: &performance.contacts,
             root_motion,
-        })
+        };
+        keys::keyed_clip_on(&input, &|time| timeline.terrain.turn(time))
     };
     let clip = keyed(options.root);
     // Feet of a clip without its travel slide by design: what can be measured is the same motion keyed with it.
@@ -101,7 +108,8 @@ pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Bak
     let input =
         report::ReportInput { rig, clip: measured, performance: &performance, scenario, seed, root: options.root };
     let (report, findings, warnings) = report::report(&input);
-    Ok(Baked { clip, report, performance, findings, warnings })
+    let props = props::ground(&performance.timeline);
+    Ok(Baked { clip, report, performance, findings, props, warnings })
 }
 
 /// A clip name that engines take: letters, digits, `_` and `-`; never at its ends the words that Godot loops by.

@@ -5,12 +5,12 @@
 
 use super::contacts::{self, FootContact};
 use super::timeline::Timeline;
-use super::{BakeError, balance, feet, knees, reach};
+use super::{BakeError, balance, feet, footing, knees, reach};
 use crate::maths::curve::smooth3;
 use crate::maths::seed::Seed;
-use crate::measure::{KnownPush, PushPoint};
-use crate::model::scenario::{Character, Direction, Scenario};
-use crate::model::{Body, Role, Side};
+use crate::measure::{Frame, KnownPush, PushPoint};
+use crate::model::scenario::{Character, Direction, GroundKind, Scenario};
+use crate::model::{Body, Role, Side, Terrain};
 use crate::sim::{Script, SessionPush, SimulateOptions, TickState, Trace, simulate};
 use crate::stepper::{Phase, Physique, Style};
 use crate::whole_body::reaction::{Personality, Reaction, Senses, UpperAngles};
@@ -55,22 +55,29 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
     let scale = (physique.com_height / 0.96).sqrt();
     let count = ((scenario.duration / trace.dt).round() as usize + 1).min(trace.ticks.len());
     let ticks = &trace.ticks[..count];
-    let still_until = pushes.first().map_or(0.0, |push| push.start);
+    let terrain = Terrain::new(&scenario.ground);
+    let still_until = still_until(scenario, &pushes);
+    let (start, steps) = footing::grounded(body, &terrain, &trace.start, &trace.steps);
+    let bases = footing::bases(body, &terrain, &start, &steps, trace.dt, count);
+    let height = |index: usize| physique.com_height + bases[index];
+    let path = ticks.iter().enumerate().map(|(index, tick)| DVec3::new(tick.com.x, height(index), tick.com.z));
     let mut timeline = Timeline {
         body: body.clone(),
         anatomy,
         dt: trace.dt,
         still_until,
-        com: ticks.iter().map(|tick| DVec3::new(tick.com.x, physique.com_height, tick.com.z)).collect(),
+        com: path.collect(),
         shift: vec![DVec3::ZERO; count],
         lowering: vec![0.0; count],
         walking: walking(ticks, trace.dt, scale),
         bends: [Vec::new(), Vec::new()],
         upper: upper_body(ticks, trace.dt, &physique, seed, scenario),
-        feet: feet::FootCurves::new(body, &physique, &trace.start, &trace.steps, still_until, scale),
+        feet: feet::FootCurves::new(body, &physique, &start, &steps, still_until, scale, &terrain),
+        terrain,
     };
+    let frame = Frame::of(&timeline.terrain);
     let cop: Vec<DVec2> = ticks.iter().map(|tick| tick.cop).collect();
-    let mut held = contacts::held(&timeline.feet.contacts(timeline.duration()));
+    let mut held = contacts::held(&timeline.feet.contacts(timeline.duration()), frame);
     let mut zmp_before_pass = Vec::new();
     for pass in 0..PASSES {
         let solved = timeline.solve_all();
@@ -78,7 +85,7 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         if pass > 0 && pass <= ROLL_PASSES {
             let Timeline { body, anatomy, feet, dt, .. } = &mut timeline;
             feet.ease_ankles(body, anatomy, &solved, &cop, *dt);
-            held = contacts::held(&feet.contacts((count - 1) as f64 * *dt));
+            held = contacts::held(&feet.contacts((count - 1) as f64 * *dt), frame);
         }
         knees::even_knees(&mut timeline, &solved, scale);
         if pass > 0 {
@@ -99,6 +106,25 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
     }
     let contacts = timeline.feet.contacts(timeline.duration());
     Ok(Performance { timeline, trace, lost, contacts, pushes, physique, zmp_before_pass })
+}
+
+/// s, when the first thing happens: a push, the ground's turn, or what the character means to do. At rest before.
+fn still_until(scenario: &Scenario, pushes: &[KnownPush]) -> f64 {
+    let meant = (scenario.walk.iter().map(|walk| walk.start))
+        .chain(scenario.turn.iter().map(|turn| turn.start))
+        .chain(scenario.crouch.iter().map(|crouch| crouch.start))
+        .chain(scenario.stand.iter().map(|stand| stand.start));
+    let turning = match &scenario.ground.kind {
+        // The first point of either says from when on it turns: before, it holds.
+        GroundKind::Platform { pitch, roll } => [pitch, roll]
+            .into_iter()
+            .flat_map(|points| points.windows(2).find(|pair| pair[0][1] != pair[1][1]))
+            .map(|pair| pair[0][0])
+            .fold(f64::INFINITY, f64::min),
+        _ => f64::INFINITY,
+    };
+    let first = meant.chain(pushes.iter().map(|push| push.start)).fold(turning, f64::min);
+    if first.is_finite() { first.max(0.0) } else { 0.0 }
 }
 
 /// The last entry before a planted foot is out of its leg's reach; `None` where all are reached.

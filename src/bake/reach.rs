@@ -85,9 +85,12 @@ fn need_at(timeline: &Timeline, index: usize, pose: &Solved) -> f64 {
     need
 }
 
-/// The lowering of least acceleration over `need` (m a sample), zero up to sample `first`, rising again within `rise` s.
+/// The lowering of least acceleration over `need` (m a sample), constant up to sample `first` (zero on level feet), rising again within `rise` s.
 fn gentlest(need: &[f64], first: usize, dt: f64, rise: &[f64]) -> Vec<f64> {
     let count = need.len();
+    // On uneven feet the stand itself is lower.
+    let still = need[..=first.min(count - 1)].iter().copied().fold(f64::MIN, f64::max);
+    let still = if still > 0.0 { still + OVER } else { 0.0 };
     let wanted_at = |index: usize| need[index] + OVER * f64::from(need[index] > 0.0);
     let mut held: Vec<bool> = need.iter().map(|need| *need > 0.0).collect();
     let mut lowering = vec![0.0; count];
@@ -101,7 +104,7 @@ fn gentlest(need: &[f64], first: usize, dt: f64, rise: &[f64]) -> Vec<f64> {
             }
             system.equation(index, &[1.0], need[index].min(0.0), rise[index].powi(-4));
             if index <= first {
-                system.equation(index, &[1.0], 0.0, 10.0 * HOLD);
+                system.equation(index, &[1.0], still, 10.0 * HOLD);
             } else if held[index] {
                 system.equation(index, &[1.0], wanted_at(index), HOLD);
             }
