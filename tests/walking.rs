@@ -12,19 +12,7 @@ use surefoot::stepper::{Params, Physique, StepKind, Style, ground};
 const GO: f64 = 0.2;
 
 fn adult() -> Physique {
-    Physique {
-        mass: 89.5,
-        com_height: 0.96,
-        leg_length: 0.83,
-        hip_height: 0.90,
-        ankle_height: 0.08,
-        stance_width: 0.18,
-        com_forward: 0.045,
-        toe_out: 0.1,
-        heel: -0.07,
-        tip: 0.18,
-        half_width: 0.045,
-    }
+    Physique::REFERENCE
 }
 
 /// The same upper body on legs of that share.
