@@ -32,3 +32,5 @@ mod rigs;
 mod stepper;
 /// Rigs and motions made by hand for the modules above.
 mod synthetic;
+/// Walking: speeds, the paper's cases, pushes, turns, sizes.
+mod walking;

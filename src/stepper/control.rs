@@ -2,7 +2,7 @@
 
 use super::foothold::{ankles, middle};
 use super::{Inputs, Params, Physique, State, Step, StepKind, Swing, TickOutput};
-use super::{balance::pressure, decide, footing, ground, legs, roll, support, swing, walk};
+use super::{balance::pressure, decide, footing, ground, legs, roll, swing, turn, walk};
 use crate::maths::pendulum::GRAVITY;
 use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
@@ -56,12 +56,7 @@ fn perceive(params: &Params, physique: &Physique, state: &mut State, inputs: &In
     if state.felt.length() < 1e-9 * physique.mass {
         state.felt = DVec2::ZERO;
     }
-    let turn = wrap(inputs.facing - state.facing);
-    let most = 3.0 * dt / params.tempo;
-    if turn != 0.0 {
-        state.facing += turn.clamp(-most, most);
-        state.ahead = support::forward(state.facing);
-    }
+    turn::face(params, physique, state, inputs, dt);
     state.settled += dt;
     state.recovering += dt;
     let aim = middle(params, state.ahead, ankles(state));

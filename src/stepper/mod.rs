@@ -20,6 +20,7 @@ mod roll;
 pub mod state;
 pub mod support;
 mod swing;
+mod turn;
 mod walk;
 
 pub use control::tick;
