@@ -19,6 +19,8 @@ use glam::{DQuat, DVec2, DVec3};
 
 /// rad, dorsiflexion past which the heel comes up: a little inside of the ankle's range of 30 degrees.
 const DORSIFLEXION: f64 = 26.0 * std::f64::consts::PI / 180.0;
+/// rad, the same of a walker, whose heel leaves sooner.
+const WALKING_DORSIFLEXION: f64 = 13.0 * std::f64::consts::PI / 180.0;
 /// s, the longest that a foot stays on its ball after landing: longer, and the weight behind it has nothing to stand on.
 const LONGEST_SETTLE: f64 = 0.16;
 /// Part of the way from ankle to ball that the pressure must be past before the heel may rise early.
@@ -158,9 +160,10 @@ impl FootCurves {
                     let time = index as f64 * dt;
                     let forwards = lean(index, &swing.from);
                     let pitch = swing.pitch(time);
-                    if swing.onward && ahead(index, &swing.from) > 0.0 && forwards - pitch > DORSIFLEXION {
+                    let most = if swing.walks { WALKING_DORSIFLEXION } else { DORSIFLEXION };
+                    if swing.onward && ahead(index, &swing.from) > 0.0 && forwards - pitch > most {
                         swing.heel_off = swing.heel_off.max((swing.lift - time + 0.05).min(swing.lift - before));
-                        swing.peak = swing.peak.max((forwards - DORSIFLEXION + 0.10).min(MOST_PITCH));
+                        swing.peak = swing.peak.max((forwards - most + 0.10).min(MOST_PITCH));
                     }
                 }
                 // The leg lands as its shank leans: reaching ahead heel first, under the body flat, behind it ball first.

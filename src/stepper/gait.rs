@@ -53,7 +53,10 @@ pub fn rhythm(params: &Params, physique: &Physique, ahead: DVec2, velocity: DVec
 /// `after` s from now.
 pub fn weights(omega: f64, after: f64, time: f64) -> [f64; 2] {
     let (one, two) = ((-omega * after).exp(), (-omega * (after + time)).exp());
-    let mean = (one - two) / (omega * time).max(1e-9);
+    if omega * time < 1e-9 {
+        return [0.0, 0.0];
+    }
+    let mean = (one - two) / (omega * time);
     [one - mean, mean - two]
 }
 
@@ -71,8 +74,16 @@ pub struct Pivot {
     pub shares: [f64; 2],
     /// m, what the roll adds, (x, z).
     pub rolled: DVec2,
-    /// m, how far ξ must be from it at touchdown, (x, z).
+    /// m, how far ξ is from it at touchdown in the steady gait, (x, z).
     pub lead: DVec2,
+    /// m, the same at the next touchdown, of the other foot.
+    pub then: DVec2,
+    /// m, from this landing to the next, (x, z).
+    pub stride: DVec2,
+    /// e^-ωT.
+    pub decay: f64,
+    /// Unit vector to the pelvis's left.
+    pub aside: DVec2,
 }
 
 /// The effective pivot of the step that begins when `side` lands beside a foot of yaw `rear_yaw`, and ξ's lead on it
@@ -87,16 +98,19 @@ pub fn pivot(
 ) -> Pivot {
     let [first, second] = weights(omega, 0.0, rhythm.double);
     let [third, fourth] = weights(omega, rhythm.double, rhythm.step - rhythm.double);
-    let all = 1.0 - (-omega * rhythm.step).exp();
+    let decay = (-omega * rhythm.step).exp();
+    let all = 1.0 - decay;
     let [early, late] = rhythm.roll;
     let toe = support::forward(yaw);
     let rolled = support::forward(rear_yaw) * (first * late) + toe * ((second + third) * early + fourth * late);
-    let grown = (omega * rhythm.step).exp();
+    let rolled = rolled / all;
     let shares = [first / all, (second + third + fourth) / all];
     let aside = DVec2::new(ahead.y, -ahead.x);
     let next = -aside * (side.sign() * rhythm.width);
-    let lead = velocity * (rhythm.step / (grown - 1.0)) + next * ((shares[1] - shares[0]) / (1.0 + grown));
-    Pivot { shares, rolled: rolled / all, lead }
+    let mirrored = next * (shares[1] - shares[0]) - aside * (2.0 * rolled.dot(aside));
+    let (along, across) = (velocity * (rhythm.step * decay / all), mirrored * (decay / (1.0 + decay)));
+    let (lead, then) = (along + across, along - across);
+    Pivot { shares, rolled, lead, then, stride: velocity * rhythm.step + next, decay, aside }
 }
 
 impl Pivot {
@@ -105,16 +119,21 @@ impl Pivot {
         rear * self.shares[0] + ankle * self.shares[1] + self.rolled + self.lead
     }
 
-    /// The landing for a body that is at `com` with `velocity` at touchdown: along the way by the paper's step distance
-    /// with the apex speed that belongs to the lead, across it by the lead itself.
+    /// The landing after which the next one will be a steady one, for a body that is at `com` with `velocity` at
+    /// touchdown: along the way by the paper's step distance with the apex speed that belongs to it.
     pub fn landing(
         &self,
         rear: DVec2,
         (com, velocity): (DVec2, DVec2),
-        (omega, height, rise, bias): (f64, f64, f64, f64),
+        (omega, height, rise): (f64, f64, f64),
         way: DVec2,
     ) -> DVec2 {
-        let wanted = velocity / omega - self.lead;
+        let mirror = |of: DVec2| of - self.aside * (2.0 * of.dot(self.aside));
+        let fixed = rear * self.shares[0] + self.rolled;
+        let then = self.stride * self.shares[1] + mirror(self.rolled) + self.then; // the next landing is a steady one
+        let [kept, gone] = [1.0 - self.decay, self.decay];
+        let ankle = (com + velocity / omega - fixed * kept - then * gone) / (self.shares[1] * kept + gone);
+        let wanted = fixed + ankle * self.shares[1] - com;
         let (speed, level) = (velocity.dot(way), wanted.dot(way));
         // the apex speed that the vault over a level step leaves
         let residual = speed * speed - 2.0 * pendulum::GRAVITY * (height.hypot(level) - height);
@@ -123,8 +142,7 @@ impl Pivot {
         } else {
             level
         };
-        let over = com + wanted + way * (distance - level + bias);
-        (over - self.rolled - rear * self.shares[0]) / self.shares[1]
+        ankle + way * ((distance - level) / self.shares[1])
     }
 }
 
