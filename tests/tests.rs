@@ -7,6 +7,8 @@ mod architecture;
 mod bodies;
 /// The program at the shell: exit codes, words, files.
 mod cli;
+/// Stands and walks on ground that is not level: what the feet hold, and props.
+mod clip_ground;
 mod common;
 /// Baked files: the source kept whole, read again, by the Khronos validator, three.js.
 mod export;

@@ -6,6 +6,7 @@
 //! above with the front camera's right.
 
 use super::figure::flat;
+use super::ground::GroundLook;
 use super::marks::{self, Overlay};
 use super::paint::{self, Ink};
 use super::plan;
@@ -169,8 +170,13 @@ fn picture(frame: &Frame, camera: &Camera, width: usize, height: usize) -> RgbaI
         let foot = frame.overlay.com.map_or(DVec3::ZERO, |com| DVec3::new(com.x, level, com.z));
         for (surface, turn) in &stage.ground {
             let back = turn.inverse();
-            let surface = &stage::seen_past(surface, foot, camera.eye);
-            canvas.ground(camera, &lights, surface, &|point| flat(back * point), &dark);
+            let cut = |point: DVec3| stage::hides(point, foot, camera.eye);
+            canvas.ground(
+                camera,
+                &lights,
+                surface,
+                &GroundLook { squares: &|point| flat(back * point), dark: &dark, cut: &cut },
+            );
         }
         marks::draw_ground(&mut canvas, camera, &frame.overlay);
     }

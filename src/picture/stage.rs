@@ -66,22 +66,12 @@ impl Stage {
     }
 }
 
-/// A ground without the pieces that hide what stands at `foot` from an eye: it is cut open before the body.
-pub fn seen_past(surface: &Surface<'static>, foot: DVec3, eye: DVec3) -> Surface<'static> {
-    let sight = eye - foot;
+/// Does ground at a point hide what stands at `foot` from an eye? There it is cut open, before the body.
+pub fn hides(point: DVec3, foot: DVec3, eye: DVec3) -> bool {
+    let (sight, off) = (eye - foot, point - foot);
     let ahead = DVec2::new(sight.x, sight.z);
-    let (toward, far) = (ahead.normalize_or_zero(), ahead.length().max(1e-6));
-    let hides = |point: &DVec3| {
-        let off = *point - foot;
-        let near = DVec2::new(off.x, off.z).dot(toward);
-        near > CUT && off.y > 0.02 + (near - CUT) * sight.y / far
-    };
-    let kept = surface.indices.chunks_exact(3).filter(|triangle| {
-        let corners = triangle.iter().filter_map(|at| surface.positions.get(*at as usize));
-        !corners.into_iter().any(hides)
-    });
-    let indices: Vec<u32> = kept.flatten().copied().collect();
-    Surface { indices: indices.into(), ..surface.clone() }
+    let near = DVec2::new(off.x, off.z).dot(ahead.normalize_or_zero());
+    near > CUT && off.y > 0.02 + (near - CUT) * sight.y / ahead.length().max(1e-6)
 }
 
 /// m, the height of a triangle over (x, z), if it is there.
