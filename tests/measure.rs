@@ -168,7 +168,15 @@ fn contacts(plates: &[Plate], hz: f64) -> Vec<HeldContact> {
                 (None, true) => from = Some(index),
                 (Some(start), false) => {
                     let (start, end) = (start as f64 / hz, (index - 1) as f64 / hz);
-                    out.push(HeldContact { side, part: Part::Flat, start, end, point: DVec3::ZERO, normal: DVec3::Y });
+                    out.push(HeldContact {
+                        side,
+                        part: Part::Flat,
+                        start,
+                        end,
+                        point: DVec3::ZERO,
+                        normal: DVec3::Y,
+                        frame: measure::Frame::World,
+                    });
                     from = None;
                 }
                 _ => {}

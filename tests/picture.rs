@@ -39,7 +39,7 @@ fn draw(rig: &Rig, raised: f64) -> RgbaImage {
     let pose = |_: f64| vec![up; rig.nodes.len()];
     let moments = choose_moments(&report, 1);
     let layout = Layout { width: 420, columns: 1, view: 400, plan: 0 };
-    sheet(&SheetInput { rig, pose: &pose, report: &report, overlay: None, moments, layout })
+    sheet(&SheetInput { rig, pose: &pose, report: &report, overlay: None, props: &[], moments, layout })
 }
 
 /// How many pixels are clearly not the sky or ground that the left edge of their row shows, and the box that holds them: x

@@ -24,7 +24,7 @@ const SMOOTHNESS: f64 = 1e5;
 /// One pass: adds to `timeline.shift`; returns the largest distance of the ZMP out of the support before it, m.
 pub fn pass(timeline: &mut Timeline, poses: &[BodyPose], contacts: &[HeldContact], pushes: &[KnownPush]) -> f64 {
     let motion = Motion { body: &timeline.body, hz: 1.0 / timeline.dt, per_frame: 1, poses };
-    let Some(track) = Track::new(motion) else { return 0.0 };
+    let Some(track) = Track::over(motion, &timeline.terrain) else { return 0.0 };
     let dynamics = dynamics::dynamics(&track, pushes);
     let count = poses.len();
     let weight = timeline.body.mass * GRAVITY;

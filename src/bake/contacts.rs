@@ -1,9 +1,8 @@
 //! Foot contacts of a run in scenario space: what the pose solver holds still and the clip promises.
 
-use crate::measure::HeldContact;
+use crate::measure::{Frame, HeldContact};
 use crate::model::{Side, report::Part};
 use crate::stepper::Plant;
-use glam::DVec3;
 
 /// One unbroken contact of one part of one foot.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,8 +19,8 @@ pub struct FootContact {
     pub plant: Plant,
 }
 
-/// The contacts as the measures take them: on the plane that each foot stands on.
-pub fn held(contacts: &[FootContact]) -> Vec<HeldContact> {
+/// The contacts as the measures take them: on the plane that each foot stands on, in the ground's frame.
+pub fn held(contacts: &[FootContact], frame: Frame) -> Vec<HeldContact> {
     contacts
         .iter()
         .map(|contact| HeldContact {
@@ -30,7 +29,8 @@ pub fn held(contacts: &[FootContact]) -> Vec<HeldContact> {
             start: contact.start,
             end: contact.end,
             point: contact.plant.ankle,
-            normal: DVec3::Y,
+            normal: contact.plant.normal,
+            frame,
         })
         .collect()
 }

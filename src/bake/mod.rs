@@ -9,6 +9,7 @@ pub mod feet;
 pub mod keys;
 mod leg_chain;
 pub mod perform;
+pub mod props;
 mod reach;
 mod report;
 pub mod root_motion;
@@ -20,7 +21,7 @@ pub use root_motion::RootMotion;
 
 use crate::measure::Findings;
 use crate::model::scenario::Scenario;
-use crate::model::{Body, Clip, ClipReport};
+use crate::model::{Body, Clip, ClipReport, Prop};
 use crate::rig::Rig;
 
 /// How to bake.
@@ -47,6 +48,8 @@ pub struct Baked {
     pub performance: Performance,
     /// All that was measured on the clip; the report holds a part.
     pub findings: Option<Findings>,
+    /// What stands and moves beside the body: the ground first.
+    pub props: Vec<Prop>,
     /// For a person: what is not as asked.
     pub warnings: Vec<String>,
 }
@@ -100,7 +103,8 @@ pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Bak
     let input =
         report::ReportInput { rig, clip: measured, performance: &performance, scenario, seed, root: options.root };
     let (report, findings, warnings) = report::report(&input);
-    Ok(Baked { clip, report, performance, findings, warnings })
+    let props = props::ground(&performance.timeline);
+    Ok(Baked { clip, report, performance, findings, props, warnings })
 }
 
 /// A clip name that engines take: letters, digits, `_` and `-`; never at its ends the words that Godot loops by.

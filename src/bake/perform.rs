@@ -7,9 +7,9 @@ use super::contacts::{self, FootContact};
 use super::timeline::Timeline;
 use super::{BakeError, balance, feet, reach};
 use crate::maths::seed::Seed;
-use crate::measure::{KnownPush, PushPoint};
+use crate::measure::{Frame, KnownPush, PushPoint};
 use crate::model::scenario::{Character, Scenario};
-use crate::model::{Body, Role, Side};
+use crate::model::{Body, Role, Side, Terrain};
 use crate::sim::{Script, SessionPush, SimulateOptions, TickState, Trace, simulate};
 use crate::stepper::{Physique, Style};
 use crate::whole_body::reaction::{Personality, Reaction, Senses, UpperAngles};
@@ -63,9 +63,11 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         lowering: vec![0.0; count],
         upper: upper_body(ticks, trace.dt, &physique, seed, scenario),
         feet: feet::FootCurves::new(body, &physique, &trace.start, &trace.steps, still_until, scale),
+        terrain: Terrain::new(&scenario.ground),
     };
+    let frame = Frame::of(&timeline.terrain);
     let cop: Vec<DVec2> = ticks.iter().map(|tick| tick.cop).collect();
-    let mut held = contacts::held(&timeline.feet.contacts(timeline.duration()));
+    let mut held = contacts::held(&timeline.feet.contacts(timeline.duration()), frame);
     let mut zmp_before_pass = Vec::new();
     for pass in 0..PASSES {
         let solved = timeline.solve_all();
@@ -73,7 +75,7 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         if pass > 0 && pass <= ROLL_PASSES {
             let Timeline { body, anatomy, feet, dt, .. } = &mut timeline;
             feet.ease_ankles(body, anatomy, &solved, &cop, *dt);
-            held = contacts::held(&feet.contacts((count - 1) as f64 * *dt));
+            held = contacts::held(&feet.contacts((count - 1) as f64 * *dt), frame);
         }
         if pass > 0 {
             let poses: Vec<_> = solved.into_iter().map(|solved| solved.pose).collect();

@@ -6,12 +6,11 @@
 use super::contacts::{self, FootContact};
 use super::perform::Performance;
 use super::root_motion::RootMotion;
-use crate::measure::{Findings, KnownPush, Motion, PushPoint, measure};
+use crate::measure::{Findings, Frame, KnownPush, Motion, PushPoint, measure_on};
 use crate::model::report::{Assist, BodyReport, Contact, Disturbance, Event, Outcome, Plausibility};
 use crate::model::scenario::Scenario;
 use crate::model::{Body, BodyPose, Clip, ClipReport, Side};
 use crate::rig::Rig;
-use glam::DVec3;
 
 /// Samples a frame (DESIGN, "Measures").
 const PER_FRAME: usize = 4;
@@ -39,8 +38,9 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
     let poses = read_back(input);
     let hz = input.clip.fps * PER_FRAME as f64;
     let motion = Motion { body, hz, per_frame: PER_FRAME, poses: &poses };
-    let held = contacts::held(&performance.contacts);
-    let findings = measure(motion, &held, &performance.pushes, input.scenario.ground.friction);
+    let terrain = &performance.timeline.terrain;
+    let held = contacts::held(&performance.contacts, Frame::of(terrain));
+    let findings = measure_on(motion, terrain, &held, &performance.pushes);
     let mut plausibility = findings.as_ref().map_or_else(Plausibility::default, Findings::plausibility);
     if input.root == RootMotion::InPlace {
         plausibility.notes.push("measured with the travel that in-place leaves out".into());
@@ -68,7 +68,9 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
             .contacts
             .iter()
             .enumerate()
-            .map(|(index, contact)| told(input.rig, contact, slips.get(index).copied().unwrap_or(0.0)))
+            .map(|(index, contact)| {
+                told(input.rig, contact, Frame::of(terrain), slips.get(index).copied().unwrap_or(0.0))
+            })
             .collect(),
         events: events(performance, findings.as_ref().and_then(|findings| findings.balance.rest_from), duration),
         disturbances: disturbances(input),
@@ -103,16 +105,16 @@ fn outcome(performance: &Performance, findings: Option<&Findings>, steps: u32, d
     findings.map_or(Outcome::Still, |findings| findings.balance.outcome(steps))
 }
 
-fn told(rig: &Rig, contact: &FootContact, slip_mm: f64) -> Contact {
+fn told(rig: &Rig, contact: &FootContact, frame: Frame, slip_mm: f64) -> Contact {
     let similarity = &rig.document_from_scenario;
     Contact {
         foot: contact.side,
         part: contact.part,
         start: contact.start,
         end: contact.end,
-        frame: "world".into(),
+        frame: frame.name().into(),
         position: similarity.point(contact.plant.ankle).to_array(),
-        normal: (similarity.rotation * DVec3::Y).to_array(),
+        normal: (similarity.rotation * contact.plant.normal).to_array(),
         slip_mm,
     }
 }

@@ -5,7 +5,7 @@
 
 use super::feet::FootCurves;
 use crate::maths::curve::sample;
-use crate::model::{Body, BodyPose, Side};
+use crate::model::{Body, BodyPose, Side, Terrain};
 use crate::whole_body::reaction::{UPPER, UpperAngles, upper_turns};
 use crate::whole_body::solve::Solved;
 use crate::whole_body::{Anatomy, PoseTarget, Solver};
@@ -32,6 +32,8 @@ pub struct Timeline {
     pub upper: Vec<UpperAngles>,
     /// Both feet.
     pub feet: FootCurves,
+    /// What they stand on.
+    pub terrain: Terrain,
 }
 
 impl Timeline {

@@ -75,6 +75,9 @@ pub struct BakeArgs {
     /// Bound on the help that the ragdoll's root gets: off, auto, or Nm[,N]
     #[arg(long, value_name = "off|auto|NM[,N]", default_value = "auto", value_parser = assist)]
     pub assist: Assist,
+    /// Also write the ground, the platform, boxes and balls into the file, as animated nodes
+    #[arg(long)]
+    pub props: bool,
     /// Exit 1 and write nothing if the character falls
     #[arg(long)]
     pub require_balance: bool,

@@ -65,7 +65,7 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         return Ok(Exit::Refused);
     }
 
-    let exported = parts::exported(&rig, &baked)?;
+    let exported = parts::exported(&rig, &baked, args.props)?;
     for change in &exported.changes {
         warn(change.clone());
     }
@@ -75,7 +75,10 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         Output { path: events.clone(), bytes: exported.events },
     ];
     if let Some(sheet) = &args.sheet {
-        outputs.push(Output { path: sheet.clone(), bytes: parts::sheet(&rig, &baked.clip, &baked.report) });
+        outputs.push(Output {
+            path: sheet.clone(),
+            bytes: parts::sheet(&rig, &baked.clip, &baked.report, &parts::seen_props(&baked)),
+        });
     }
     if let Some(plot) = &args.plot {
         let bytes = crate::picture::clip_plot(&baked.performance, &scenario).into_bytes();
@@ -164,12 +167,13 @@ fn summary(baked: &Baked, name: &str, places: &Places, size: usize) -> String {
     line(
         "plausible",
         format_args!(
-            "{:.2}: ZMP inside {:.1} % (p95 {:.1} cm out), slip {:.2} mm, penetration {:.1} mm, peak ankle {:.1} m/s, speed ratio {:.2}",
+            "{:.2}: ZMP inside {:.1} % (p95 {:.1} cm out), slip {:.2} mm, penetration {:.1} mm, friction needed {:.2}, peak ankle {:.1} m/s, speed ratio {:.2}",
             measured.score,
             measured.zmp_inside * 100.0,
             measured.zmp_outside_p95_cm,
             measured.slip_max_mm,
             measured.penetration_max_mm,
+            measured.friction_p99,
             measured.peak_ankle_speed,
             measured.speed_ratio
         ),

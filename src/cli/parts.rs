@@ -3,7 +3,7 @@
 use super::args::{BakeArgs, Root};
 use super::exit_code::Failure;
 use crate::bake::{BakeOptions, Baked, RootMotion};
-use crate::model::{Clip, ClipReport, Scenario};
+use crate::model::{Clip, ClipReport, Prop, Scenario};
 use crate::rig::mannequin::{BUILTIN, MannequinOptions, mannequin};
 use crate::rig::{Rig, RigError, clips};
 use crate::{bake, export, picture, rig};
@@ -60,23 +60,37 @@ pub struct Exported {
     pub changes: Vec<String>,
 }
 
-/// Makes the files of a baked clip.
-pub fn exported(rig: &Rig, baked: &Baked) -> Result<Exported, Failure> {
+/// Makes the files of a baked clip; `with_props`: the things beside the body too.
+pub fn exported(rig: &Rig, baked: &Baked, with_props: bool) -> Result<Exported, Failure> {
     let failed = |error: export::ExportError| Failure::failed(error.to_string());
     let clips = [(baked.clip.clone(), baked.report.clone())];
-    let file = export::glb(rig, &clips).map_err(failed)?;
+    let file = export::glb_with_props(rig, &clips, if with_props { &baked.props } else { &[] }).map_err(failed)?;
     let name = file.names.into_iter().next().unwrap_or_else(|| baked.clip.name.clone());
     let events = export::events_json([(name.as_str(), &baked.report)]).map_err(failed)?;
     Ok(Exported { glb: file.bytes, events, name, changes: file.changes })
 }
 
-/// A contact sheet as PNG bytes.
-pub fn sheet(rig: &Rig, clip: &Clip, report: &ClipReport) -> Vec<u8> {
+/// A contact sheet as PNG bytes, with what stands beside the body.
+pub fn sheet(rig: &Rig, clip: &Clip, report: &ClipReport, props: &[Prop]) -> Vec<u8> {
     let sampler = RefCell::new(rig.sampler(clip));
     let pose = |time: f64| picture::transforms_of_globals(rig, sampler.borrow_mut().node_globals(time));
     let moments = picture::choose_moments(report, MOMENTS);
     let layout = picture::Layout::fitting(moments.len());
-    picture::png(&picture::sheet(&picture::SheetInput { rig, pose: &pose, report, overlay: None, moments, layout }))
+    picture::png(&picture::sheet(&picture::SheetInput {
+        rig,
+        pose: &pose,
+        report,
+        overlay: None,
+        props,
+        moments,
+        layout,
+    }))
+}
+
+/// The props that a picture needs: flat ground it has of its own, without an end.
+pub fn seen_props(baked: &Baked) -> Vec<Prop> {
+    let flat = baked.performance.timeline.terrain.is_flat();
+    baked.props.iter().filter(|prop| !(flat && prop.ground)).cloned().collect()
 }
 
 /// A contact sheet of a clip that lies in the rig's file: of that name, or the last one.
@@ -98,7 +112,7 @@ pub fn sheet_of_file(rig: &Rig, file: &str, wanted: Option<&str>) -> Result<Vec<
     let extras = rig.document.list("animations")[index].pointer("/extras/surefoot");
     let report = extras.and_then(|report| serde_json::from_value(report.clone()).ok());
     let report = report.unwrap_or_else(|| foreign(rig, &clip));
-    Ok(sheet(rig, &clip, &report))
+    Ok(sheet(rig, &clip, &report, &[]))
 }
 
 /// What is known of a clip that says nothing about itself.

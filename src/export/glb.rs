@@ -1,13 +1,14 @@
 //! A rig and its clips as one GLB: the source document whole, the clips appended.
 //!
 //! Every JSON value of the source stays at its index and its buffer bytes are a prefix of the new buffer. What else changes:
-//! `buffers` becomes one (see `buffers`), scene roots may get a `Root` above them, one node may get two helper children, and
-//! a `matrix` that must move becomes translation, rotation and scale, because glTF animates nothing else; the last is reported.
+//! `buffers` becomes one (see `buffers`), scene roots may get a `Root` above them, one node may get two helper children, scenes
+//! may get props, and a `matrix` that must move becomes translation, rotation and scale, because glTF animates nothing else; the last is reported.
 //! Document units. The same input gives the same bytes.
 
 use super::buffers::Joined;
+use super::props::{self, PropChannel};
 use super::{ExportError, events::report_json};
-use crate::model::{Channel, Clip, ClipReport, Interpolation, KeyValues, Target};
+use crate::model::{Channel, Clip, ClipReport, Interpolation, KeyValues, Prop, Target};
 use crate::rig::Rig;
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -25,9 +26,15 @@ pub struct ExportedGlb {
 
 /// The bytes of a GLB that holds the rig's document and the clips.
 pub fn glb(rig: &Rig, clips: &[(Clip, ClipReport)]) -> Result<ExportedGlb, ExportError> {
+    glb_with_props(rig, clips, &[])
+}
+
+/// The same with things beside the body, which move as they say in every clip.
+pub fn glb_with_props(rig: &Rig, clips: &[(Clip, ClipReport)], props: &[Prop]) -> Result<ExportedGlb, ExportError> {
     for (clip, _) in clips {
         check(rig, clip)?;
     }
+    props::check(props)?;
     let mut root = rig
         .document
         .json
@@ -40,6 +47,11 @@ pub fn glb(rig: &Rig, clips: &[(Clip, ClipReport)]) -> Result<ExportedGlb, Expor
     let targets: BTreeSet<Target> =
         clips.iter().flat_map(|(clip, _)| &clip.channels).map(|channel| channel.target).collect();
     let helpers = add_nodes(rig, &targets, &mut root);
+    let props: Vec<(usize, Vec<PropChannel>)> = props::add(rig, props, &mut root, &mut buffer)
+        .into_iter()
+        .zip(props)
+        .map(|(node, prop)| (node, props::channels(rig, prop)))
+        .collect();
     let mut writer = Writer { buffer, view: 0, start: 0, accessors: Vec::new(), seen: BTreeMap::new() };
     writer.view = list(&mut root, "bufferViews").len();
     writer.start = writer.buffer.append(&[]);
@@ -47,7 +59,7 @@ pub fn glb(rig: &Rig, clips: &[(Clip, ClipReport)]) -> Result<ExportedGlb, Expor
     let mut names = Vec::new();
     for (clip, report) in clips {
         let name = free_name(&clip.name, list(&mut root, "animations"));
-        let mut animation = writer.animation(clip, &helpers, first_accessor);
+        let mut animation = writer.animation(clip, &helpers, &props, first_accessor);
         animation.insert("name".into(), name.clone().into());
         animation.insert("extras".into(), json!({ "surefoot": report_json(&name, report)? }));
         list(&mut root, "animations").push(Value::Object(animation));
@@ -115,8 +127,18 @@ struct Writer {
 }
 
 impl Writer {
-    fn animation(&mut self, clip: &Clip, helpers: &BTreeMap<Target, usize>, first: usize) -> Map<String, Value> {
+    fn animation(
+        &mut self,
+        clip: &Clip,
+        helpers: &BTreeMap<Target, usize>,
+        props: &[(usize, Vec<PropChannel>)],
+        first: usize,
+    ) -> Map<String, Value> {
         let (mut channels, mut samplers) = (Vec::new(), Vec::new());
+        let mut add = |node: usize, path: &str, input: usize, output: usize, interpolation: &str| {
+            channels.push(json!({ "sampler": samplers.len(), "target": { "node": node, "path": path } }));
+            samplers.push(json!({ "input": input, "interpolation": interpolation, "output": output }));
+        };
         for channel in &clip.channels {
             let node = match channel.target {
                 Target::Node(node) => node,
@@ -129,8 +151,12 @@ impl Writer {
             let input = first + self.accessor("SCALAR", &channel.times, 1);
             let output = first + self.accessor(kind, &values, channel.times.len());
             let interpolation = if channel.interpolation == Interpolation::Step { "STEP" } else { "LINEAR" };
-            channels.push(json!({ "sampler": samplers.len(), "target": { "node": node, "path": path } }));
-            samplers.push(json!({ "input": input, "interpolation": interpolation, "output": output }));
+            add(node, path, input, output, interpolation);
+        }
+        for (node, channel) in props.iter().flat_map(|(node, channels)| channels.iter().map(move |one| (*node, one))) {
+            let input = first + self.accessor("SCALAR", &channel.times, 1);
+            let output = first + self.accessor(channel.kind, &channel.values, channel.times.len());
+            add(node, channel.path, input, output, "LINEAR");
         }
         Map::from_iter([("channels".to_owned(), channels.into()), ("samplers".to_owned(), samplers.into())])
     }

@@ -3,9 +3,10 @@
 mod buffers;
 pub mod events;
 pub mod glb;
+mod props;
 
 pub use events::events_json;
-pub use glb::{ExportedGlb, glb};
+pub use glb::{ExportedGlb, glb, glb_with_props};
 
 /// Why a clip could not be written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -1,9 +1,11 @@
 //! Feet: how far a contact slips, how deep a sole sinks, how high it hovers, how fast ankles go, how near the legs come.
 //!
 //! Scenario space; distances in mm where the name says so, else m and m/s. Slip is the largest displacement, from the
-//! first sample of a contact, of any point that the contact holds ([`held_points`]). Frames other than the world
-//! (a platform) are not here: the caller brings the motion into the platform's frame.
+//! first sample of a contact, of any point that the contact holds ([`held_points`]), in the contact's own frame: on a
+//! platform a foot that goes with it is still. Depth is under the contact's plane; in the air, under the ground where it
+//! is known ([`super::ground`]).
 
+use super::ground;
 use super::support::{held_points, levelled_point, part_points};
 use super::{HeldContact, Track, percentile};
 use crate::model::{FootShape, Role, Side, report::Part};
@@ -29,7 +31,7 @@ pub struct FeetFindings {
     pub slip_max_mm: f64,
     /// mm/s, 95th percentile over all held points of all contacts and samples.
     pub slip_speed_p95: f64,
-    /// mm, the deepest sole vertex under the contact's plane, or under y = 0 for a foot that has none.
+    /// mm, the deepest sole vertex under the contact's plane, or under the ground (y = 0 where that is not known) for a foot that has none.
     pub penetration_max_mm: f64,
     /// s, when that is.
     pub penetration_time: f64,
@@ -80,7 +82,8 @@ fn slip(track: &Track, contact: &HeldContact, speeds: &mut Vec<f64>) -> Slip {
         let mut first: Option<DVec3> = None;
         let mut last = DVec3::ZERO;
         for sample in samples.clone() {
-            let here = track.rigid_point(sample, point.joint, point.offset);
+            let turn = track.turn(contact.frame, sample).inverse();
+            let here = turn * track.rigid_point(sample, point.joint, point.offset);
             match first {
                 None => first = Some(here),
                 Some(first) => {
@@ -120,6 +123,7 @@ fn depths(track: &Track, contacts: &[HeldContact]) -> (Peak, Vec<Peak>) {
                     continue;
                 }
                 in_contact = true;
+                let contact = &track.placed(contact, sample);
                 points[..sole].iter().for_each(|point| sink(-1000.0 * contact.height(*point)));
                 part_points(track, sample, side, contact.part, &mut points);
                 let lowest = points[sole..].iter().map(|point| contact.height(*point)).fold(f64::INFINITY, f64::min);
@@ -129,7 +133,8 @@ fn depths(track: &Track, contacts: &[HeldContact]) -> (Peak, Vec<Peak>) {
                 }
             }
             if !in_contact {
-                points.iter().for_each(|point| sink(-1000.0 * point.y));
+                let floor = ground::Swung::new(track, contacts, side, sample);
+                points.iter().for_each(|point| sink(1000.0 * floor.depth(*point)));
             }
         }
     }

@@ -3,7 +3,7 @@
 //! Scenario space. Masses after de Leva (1996), rounded; segments are rods with a girth. No rig and no file stands
 //! behind it, so what a test expects of it can be worked out by hand.
 
-use super::{HeldContact, Motion};
+use super::{Frame, HeldContact, Motion};
 use crate::model::{Body, BodyJoint, BodyPose, FootShape, Role, Segment, Side, report::Part};
 use glam::{DMat3, DQuat, DVec2, DVec3, dvec3};
 
@@ -139,7 +139,7 @@ pub(crate) fn motion<'a>(body: &'a Body, poses: &'a [BodyPose]) -> Motion<'a> {
 
 /// A flat contact on the ground at y = 0.
 pub(crate) fn flat(side: Side, start: f64, end: f64) -> HeldContact {
-    HeldContact { side, part: Part::Flat, start, end, point: DVec3::ZERO, normal: DVec3::Y }
+    HeldContact { side, part: Part::Flat, start, end, point: DVec3::ZERO, normal: DVec3::Y, frame: Frame::World }
 }
 
 /// Both feet flat for good.

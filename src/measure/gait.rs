@@ -280,6 +280,7 @@ mod tests {
             end: start + 0.6,
             point: DVec3::ZERO,
             normal: DVec3::Y,
+            frame: super::super::Frame::World,
         };
         let contacts: Vec<HeldContact> =
             (0..3).flat_map(|i| [held(Side::Left, f64::from(i)), held(Side::Right, f64::from(i) - 0.5)]).collect();

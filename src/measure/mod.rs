@@ -9,6 +9,7 @@ pub mod feet;
 #[cfg(test)]
 pub(crate) mod fixture;
 pub mod gait;
+pub mod ground;
 pub mod joints;
 pub mod outcome;
 pub mod plausibility;
@@ -18,10 +19,10 @@ pub mod support;
 pub mod zmp;
 
 pub use outcome::{Balance, balance};
-pub use plausibility::{Findings, measure, plausibility};
+pub use plausibility::{Findings, measure, measure_on, plausibility};
 
-use crate::model::{Body, BodyPose, Side, report::Part};
-use glam::DVec3;
+use crate::model::{Body, BodyPose, Side, Terrain, report::Part};
+use glam::{DQuat, DVec3};
 
 /// m/s²; gravity points along -Y.
 pub const GRAVITY: f64 = 9.81;
@@ -42,6 +43,31 @@ pub struct Motion<'a> {
     pub poses: &'a [BodyPose],
 }
 
+/// What a contact is still relative to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Frame {
+    /// The world.
+    #[default]
+    World,
+    /// The platform: the ground frame, which turns about the origin as [`Terrain::turn`] says.
+    Platform,
+}
+
+impl Frame {
+    /// The frame of what stands on a ground.
+    pub fn of(terrain: &Terrain) -> Frame {
+        if terrain.moves() { Frame::Platform } else { Frame::World }
+    }
+
+    /// As the report spells it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Frame::World => "world",
+            Frame::Platform => "platform",
+        }
+    }
+}
+
 /// A contact that the motion claims.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeldContact {
@@ -53,10 +79,12 @@ pub struct HeldContact {
     pub start: f64,
     /// s.
     pub end: f64,
-    /// m, a point of the ground plane under the foot.
+    /// m, a point of the ground plane under the foot, in `frame`.
     pub point: DVec3,
-    /// The plane's unit normal.
+    /// The plane's unit normal, in `frame`.
     pub normal: DVec3,
+    /// What it is still relative to.
+    pub frame: Frame,
 }
 
 /// A known outside force, constant from start to end.
@@ -127,6 +155,8 @@ impl HeldContact {
 pub struct Track<'a> {
     /// The motion.
     pub motion: Motion<'a>,
+    /// The ground, where it is known; else the contacts' planes and y = 0 stand for it.
+    pub terrain: Option<Terrain>,
     positions: Vec<DVec3>, // (samples x joints), sample-major
 }
 
@@ -142,7 +172,26 @@ impl<'a> Track<'a> {
             pose.positions_into(motion.body, &mut one);
             positions.extend_from_slice(&one);
         }
-        Some(Track { motion, positions })
+        Some(Track { motion, terrain: None, positions })
+    }
+
+    /// The same over a ground that is known.
+    pub fn over(motion: Motion<'a>, terrain: &Terrain) -> Option<Track<'a>> {
+        Some(Track { terrain: Some(terrain.clone()), ..Track::new(motion)? })
+    }
+
+    /// How a frame is turned about the origin at a sample.
+    pub fn turn(&self, frame: Frame, sample: usize) -> DQuat {
+        match (&self.terrain, frame) {
+            (Some(terrain), Frame::Platform) => terrain.turn(self.motion.time(sample)),
+            _ => DQuat::IDENTITY,
+        }
+    }
+
+    /// A contact with its plane where it is at a sample, in the world.
+    pub fn placed(&self, contact: &HeldContact, sample: usize) -> HeldContact {
+        let turn = self.turn(contact.frame, sample);
+        HeldContact { point: turn * contact.point, normal: turn * contact.normal, frame: Frame::World, ..*contact }
     }
 
     /// Samples.

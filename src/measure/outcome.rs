@@ -1,9 +1,10 @@
 //! How a motion ends: moved, at rest, fallen, recovered; and how much of a push the centre of mass took up.
 //!
-//! DESIGN "Measures" says what each word means. Scenario space, SI. "The ground below it" is the plane of the contact
-//! that holds (the last one that did), y = 0 before any.
+//! DESIGN "Measures" says what each word means. Scenario space, SI. "The ground below it" is the terrain's where that is
+//! known, else the plane of the contact that holds (the last one that did), y = 0 before any.
 
 use super::dynamics::Dynamics;
+use super::ground::height_below;
 use super::support::Support;
 use super::{GRAVITY, HeldContact, KnownPush, MOVING_SPEED, Track};
 use crate::model::{Role, Side, report::Outcome};
@@ -47,14 +48,20 @@ pub fn balance(
     standing_height: Option<f64>,
 ) -> Balance {
     let motion = track.motion;
-    let ground = |sample: usize| ground_below(contacts, motion.time(sample), dynamics.com[sample]);
+    let below = |sample: usize, point: DVec3| match &track.terrain {
+        Some(terrain) => height_below(terrain, motion.time(sample), point),
+        None => ground_below(contacts, motion.time(sample), point),
+    };
+    let ground = |sample: usize| below(sample, dynamics.com[sample]);
     let standing = standing_height.unwrap_or_else(|| dynamics.com[0].y - ground(0));
     let others = others_than_feet(track);
     let fallen = (0..track.len()).find(|sample| {
-        let floor = ground(*sample);
-        let touching = floor + TOUCHING_SHARE * motion.body.height;
-        dynamics.com[*sample].y - floor < FALLEN_SHARE * standing
-            || others.iter().any(|joint| track.positions(*sample)[*joint].y < touching)
+        let touching = TOUCHING_SHARE * motion.body.height;
+        let lies = |joint: &usize| {
+            let at = track.positions(*sample)[*joint];
+            at.y - below(*sample, at) < touching
+        };
+        dynamics.com[*sample].y - ground(*sample) < FALLEN_SHARE * standing || others.iter().any(lies)
     });
     let still = |sample: usize| {
         let time = motion.time(sample);
@@ -63,7 +70,7 @@ pub fn balance(
             .all(|side| contacts.iter().any(|c| c.side == *side && c.start - 1e-6 <= time && time <= c.end + 1e-6));
         both && dynamics.velocity[sample].length() < MOVING_SPEED
             && supports[sample].as_ref().is_some_and(|support| {
-                support.outside(support.on_plane(extrapolated(dynamics, sample, ground(sample)))) <= 0.0
+                support.outside(support.below(extrapolated(dynamics, sample, ground(sample)))) <= 0.0
             })
     };
     let from = (0..track.len()).rev().take_while(|sample| still(*sample)).last();

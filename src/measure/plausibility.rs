@@ -12,7 +12,7 @@ use super::score::{ANKLE_SPEED, score};
 use super::support::{Support, support};
 use super::zmp::{self, ZmpFindings};
 use super::{HeldContact, KnownPush, MOVING_SPEED, Motion, Track, percentile};
-use crate::model::report::Plausibility;
+use crate::model::{Terrain, report::Plausibility};
 
 /// Everything that was found.
 #[derive(Clone, Debug)]
@@ -47,12 +47,27 @@ pub struct Findings {
     pub zmp_distances: Vec<Option<f64>>,
 }
 
-/// Measures a motion; `None` for one that cannot be ([`Motion::is_sound`]).
+/// Measures a motion over a ground of which only the contacts' planes are known; `None` for one that cannot be
+/// ([`Motion::is_sound`]).
 pub fn measure(motion: Motion, contacts: &[HeldContact], pushes: &[KnownPush], friction: f64) -> Option<Findings> {
-    let track = Track::new(motion)?;
+    Some(measure_track(&Track::new(motion)?, contacts, pushes, friction))
+}
+
+/// The same over a ground that is known, with its friction.
+pub fn measure_on(
+    motion: Motion,
+    terrain: &Terrain,
+    contacts: &[HeldContact],
+    pushes: &[KnownPush],
+) -> Option<Findings> {
+    Some(measure_track(&Track::over(motion, terrain)?, contacts, pushes, terrain.friction))
+}
+
+fn measure_track(track: &Track, contacts: &[HeldContact], pushes: &[KnownPush], friction: f64) -> Findings {
+    let motion = track.motion;
     let units = Units::of(motion.body);
-    let dynamics = dynamics(&track, pushes);
-    let supports: Vec<Option<Support>> = (0..track.len()).map(|sample| support(&track, contacts, sample)).collect();
+    let dynamics = dynamics(track, pushes);
+    let supports: Vec<Option<Support>> = (0..track.len()).map(|sample| support(track, contacts, sample)).collect();
     let residuals: Vec<Wrench> = supports
         .iter()
         .enumerate()
@@ -66,22 +81,22 @@ pub fn measure(motion: Motion, contacts: &[HeldContact], pushes: &[KnownPush], f
         let sizes = residuals.iter().enumerate().map(|(sample, wrench)| (size(wrench), motion.time(sample)));
         sizes.fold((0.0, 0.0), |peak, next| if next.0 > peak.0 { next } else { peak })
     };
-    Some(Findings {
-        feet: feet(&track, contacts),
-        joints: joints(&track),
+    Findings {
+        feet: feet(track, contacts),
+        joints: joints(track),
         zmp: zmp::findings(&motion, &dynamics, &distances),
-        balance: balance(&track, &dynamics, &supports, contacts, pushes, None),
+        balance: balance(track, &dynamics, &supports, contacts, pushes, None),
         friction_p99,
         vertical_min,
         residual_force: rms(&|wrench| wrench.force.length_squared()) / units.weight,
         residual_moment: rms(&|wrench| wrench.moment.length_squared()) / (units.weight * units.height),
         residual_peak: (peak(&|wrench| wrench.force.length()), peak(&|wrench| wrench.moment.length())),
-        speed_ratio: speed_ratio(&track, &dynamics, pushes),
+        speed_ratio: speed_ratio(track, &dynamics, pushes),
         leg_scale: motion.body.leg_length / 0.83,
         friction,
         dynamics,
         zmp_distances: distances,
-    })
+    }
 }
 
 /// What a baked clip says about itself; a motion that cannot be measured scores 0 and says so.

@@ -18,7 +18,7 @@ const SAME_PLANE_GAP: f64 = 0.01;
 /// The support of one sample.
 #[derive(Clone, Debug)]
 pub struct Support {
-    /// m, a point of the plane (of the first contact's, where planes differ).
+    /// m, a point of the plane (at the mean height, where planes differ).
     pub origin: DVec3,
     /// Unit (the mean, where planes differ).
     pub normal: DVec3,
@@ -35,29 +35,33 @@ pub struct Support {
 /// The support at a sample; `None` in flight.
 pub fn support(track: &Track, contacts: &[HeldContact], sample: usize) -> Option<Support> {
     let time = track.motion.time(sample);
-    let holding = contacts.iter().filter(|contact| contact.start - 1e-6 <= time && time <= contact.end + 1e-6);
-    let first = holding.clone().next()?;
-    let normal = holding.clone().map(|contact| contact.normal).sum::<DVec3>().normalize_or(first.normal);
-    let level = holding.clone().all(|contact| {
+    let holds = |contact: &&HeldContact| contact.start - 1e-6 <= time && time <= contact.end + 1e-6;
+    let holding: Vec<HeldContact> =
+        contacts.iter().filter(holds).map(|contact| track.placed(contact, sample)).collect();
+    let first = *holding.first()?;
+    let normal = holding.iter().map(|contact| contact.normal).sum::<DVec3>().normalize_or(first.normal);
+    let level = holding.iter().all(|contact| {
         contact.normal.angle_between(first.normal) <= SAME_PLANE_ANGLE
             && first.height(contact.point).abs() <= SAME_PLANE_GAP
     });
     let axes = plane_axes(normal);
-    let origin = normal * first.point.dot(normal);
+    // Planes that differ meet halfway: what is seen of them together (the hull) lies at their mean height.
+    let height = holding.iter().map(|contact| contact.point.dot(normal)).sum::<f64>() / holding.len() as f64;
+    let origin = normal * if level { first.point.dot(normal) } else { height };
     let mut support = Support { origin, normal, axes, hull: Vec::new(), corners: Vec::new(), level };
     let mut points: Vec<DVec3> = Vec::new();
     let mut flat: Vec<DVec2> = Vec::new();
-    for contact in holding {
+    for contact in &holding {
         points.clear();
         part_points(track, sample, contact.side, contact.part, &mut points);
         if level {
             flat.extend(points.iter().map(|point| support.on_plane(*point)));
         } else {
             // Each plane has corners of its own.
-            let own = Support { axes: plane_axes(contact.normal), ..support.clone() };
+            let [x, z] = plane_axes(contact.normal);
             let base = contact.normal * contact.point.dot(contact.normal);
-            let outline: Vec<DVec2> = points.iter().map(|point| own.on_plane(*point)).collect();
-            let lift = |at: DVec2| base + own.axes[0] * at.x + own.axes[1] * at.y;
+            let outline: Vec<DVec2> = points.iter().map(|point| DVec2::new(point.dot(x), point.dot(z))).collect();
+            let lift = |at: DVec2| base + x * at.x + z * at.y;
             support.corners.extend(thinned(&convex_hull(&outline)).map(|at| (lift(at), contact.normal)));
             flat.extend(points.iter().map(|point| support.on_plane(*point)));
         }
@@ -78,6 +82,12 @@ impl Support {
     /// A point's place on the plane, along the normal.
     pub fn on_plane(&self, point: DVec3) -> DVec2 {
         DVec2::new(point.dot(self.axes[0]), point.dot(self.axes[1]))
+    }
+
+    /// The place on the plane straight below (or above) a point: along gravity, not along the normal.
+    pub fn below(&self, point: DVec3) -> DVec2 {
+        let height = (point - self.origin).dot(self.normal);
+        self.on_plane(point - DVec3::Y * (height / self.normal.y.max(0.1)))
     }
 
     /// m, the point of space at a place on the plane.

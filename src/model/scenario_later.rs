@@ -1,16 +1,16 @@
 //! What a scenario may say that this version of the program cannot bake yet: it is refused by name rather than passed over.
 
-use super::scenario::{Character, GroundKind, Scenario};
+use super::scenario::{Character, Scenario};
 use super::scenario_errors::Fault;
 
 impl Scenario {
-    /// What the scenario asks for that this version cannot bake: pushes and pulls on flat ground are all there is.
+    /// What the scenario asks for that this version cannot bake: pushes and pulls are all there is.
     pub fn unavailable(&self) -> Vec<Fault> {
         let mut faults = Vec::new();
         let mut not_yet = |path: String, what: &str| {
             faults.push(Fault {
                 path,
-                message: format!("{what} not available yet: this version bakes push and pull on flat ground"),
+                message: format!("{what} not available yet: this version bakes push and pull"),
                 remedy: "take it out of the scenario for now".to_owned(),
             });
         };
@@ -24,9 +24,6 @@ impl Scenario {
             if turned {
                 not_yet(format!("character.{key}"), &format!("`{key}` is"));
             }
-        }
-        if self.ground.kind != GroundKind::Flat {
-            not_yet("ground.kind".to_owned(), "this kind of ground is");
         }
         if self.base.is_some() {
             not_yet("base".to_owned(), "a base clip is");
@@ -71,10 +68,9 @@ mod tests {
     #[test]
     fn what_cannot_be_baked_yet_is_named() {
         let walk = Walk { start: 0.5, duration: None, speed: 1.0, heading: 0.0, facing: None };
-        let mut scenario = Scenario { walk: vec![walk], ..Scenario::demo() };
-        scenario.ground.kind = GroundKind::Slope { angle: 0.1 };
+        let scenario = Scenario { walk: vec![walk], ..Scenario::demo() };
         let faults = scenario.unavailable();
-        assert_eq!(faults.iter().map(|fault| fault.path.as_str()).collect::<Vec<_>>(), ["ground.kind", "walk.0"]);
-        assert!(faults[1].message.contains("not available yet: this version bakes push and pull on flat ground"));
+        assert_eq!(faults.iter().map(|fault| fault.path.as_str()).collect::<Vec<_>>(), ["walk.0"]);
+        assert!(faults[0].message.contains("not available yet: this version bakes push and pull"));
     }
 }

@@ -72,6 +72,11 @@ impl Terrain {
         self.kind == GroundKind::Flat
     }
 
+    /// Does it turn under the feet?
+    pub fn moves(&self) -> bool {
+        matches!(self.kind, GroundKind::Platform { .. })
+    }
+
     /// The ground at (x, z) in the ground frame.
     pub fn spot(&self, at: DVec2) -> Spot {
         let level = |height: f64| Spot { height, normal: DVec3::Y, holds: true };

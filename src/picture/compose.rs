@@ -11,6 +11,7 @@ use super::paint::{self, Ink};
 use super::plan;
 use super::raster::{Camera, Canvas, Lights, Surface};
 use super::shadow::GroundShadow;
+use super::stage::Stage;
 use super::text::{self, Face, Pen};
 use glam::{DVec2, DVec3};
 use image::{Rgba, RgbaImage, imageops};
@@ -27,6 +28,8 @@ pub struct Frame<'a> {
     pub surfaces: Vec<Surface<'a>>,
     /// The marks.
     pub overlay: Overlay,
+    /// What is around it.
+    pub stage: Stage,
 }
 
 /// Where the centre of mass and ξ went, for the plan: (s, com (x, z), ξ (x, z)).
@@ -144,12 +147,33 @@ pub fn page(frames: &[Frame], trail: &Trail, header: &Header, layout: &Layout) -
 fn picture(frame: &Frame, camera: &Camera, width: usize, height: usize) -> RgbaImage {
     let lights = Lights::of(camera);
     let lamp = (lights.key + DVec3::Y * 1.4).normalize();
-    let shadow = GroundShadow::cast(&frame.surfaces, lamp);
     let mut canvas = Canvas::new(width, height);
-    canvas.background(camera);
-    marks::draw_ground(&mut canvas, camera, &frame.overlay);
-    if let Some(shadow) = &shadow {
-        canvas.shade_ground(camera, shadow);
+    let stage = &frame.stage;
+    if stage.is_flat() {
+        canvas.background(camera);
+        marks::draw_ground(&mut canvas, camera, &frame.overlay);
+        if let Some(shadow) = &GroundShadow::cast(&frame.surfaces, lamp) {
+            canvas.shade_ground(camera, shadow);
+        }
+    } else {
+        let level = stage.height(frame.overlay.com.map_or(DVec2::ZERO, flat));
+        // Near a sole the ground is as high as that.
+        let near = |point: DVec3| {
+            let soles = frame.overlay.soles.iter().flat_map(|sole| &sole.whole);
+            let nearest = soles.min_by(|a, b| flat(**a - point).length().total_cmp(&flat(**b - point).length()));
+            nearest.map_or(level, |sole| sole.y)
+        };
+        let shadow = GroundShadow::cast_over(&frame.surfaces, lamp, &near);
+        let dark = |point: DVec3| shadow.as_ref().map_or(0.0, |shadow| shadow.on(point));
+        canvas.sky(camera);
+        for (surface, turn) in &stage.ground {
+            let back = turn.inverse();
+            canvas.ground(camera, &lights, surface, &|point| flat(back * point), &dark);
+        }
+        marks::draw_ground(&mut canvas, camera, &frame.overlay);
+    }
+    for thing in &stage.things {
+        canvas.surface(camera, &lights, thing, true);
     }
     for surface in &frame.surfaces {
         canvas.surface(camera, &lights, surface, true);
@@ -158,7 +182,7 @@ fn picture(frame: &Frame, camera: &Camera, width: usize, height: usize) -> RgbaI
     canvas.ink();
     let mut image = canvas.resolve();
     let size = (height as f64 / 214.0).sqrt().clamp(0.75, 1.25);
-    marks::draw_points(&mut image, camera, &frame.overlay, size);
+    marks::draw_points(&mut image, camera, &frame.overlay, size, &|at| stage.height(at));
     image
 }
 
@@ -169,7 +193,9 @@ fn cameras(frames: &[Frame], view: View, width: u32, height: u32) -> Vec<Camera>
         View::Side => (DVec3::NEG_Z, DVec3::X),
     };
     let found: Vec<(DVec3, DVec3)> = frames.iter().map(bounds).collect();
-    let top = found.iter().map(|(_, high)| high.y).fold(0.3, f64::max).min(6.0);
+    // m, the ground that the body is on.
+    let floors: Vec<f64> = frames.iter().zip(&found).map(|(frame, found)| floor(frame, found)).collect();
+    let top = found.iter().zip(&floors).map(|((_, high), floor)| high.y - floor).fold(0.3, f64::max).min(6.0);
     let distance = 2.5 * top.max(1.0);
     // What reaches towards the camera looks larger by that much.
     let nearer =
@@ -213,12 +239,22 @@ fn cameras(frames: &[Frame], view: View, width: u32, height: u32) -> Vec<Camera>
     across
         .iter()
         .zip(depth)
-        .map(|(across, depth)| {
-            let target = right * *across + toward * depth + DVec3::Y * (top * 0.5);
+        .zip(floors)
+        .map(|((across, depth), floor)| {
+            let target = right * *across + toward * depth + DVec3::Y * (floor + top * 0.5);
             let eye = target + toward * distance + DVec3::Y * (top * 0.32);
             Camera::looking_at(eye, target, scale * distance, centre)
         })
         .collect()
+}
+
+/// m, how high the ground is under a body, or the body's lowest point where that is lower.
+fn floor(frame: &Frame, (low, high): &(DVec3, DVec3)) -> f64 {
+    if frame.stage.is_flat() {
+        return 0.0;
+    }
+    let middle = frame.overlay.com.map_or(flat((*low + *high) / 2.0), flat);
+    frame.stage.height(middle).min(low.y)
 }
 
 /// Of the body, m.

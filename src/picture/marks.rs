@@ -181,7 +181,8 @@ pub fn arrow_ends(push: &Push, surfaces: &[Surface]) -> (DVec3, DVec3) {
 /// How tall the body stands, to an ordinary one.
 fn stature(surfaces: &[Surface]) -> f64 {
     let heights = surfaces.iter().flat_map(|surface| &surface.positions).map(|point| point.y);
-    (heights.fold(0.0, f64::max) / 1.75).clamp(0.4, 2.5)
+    let (low, high) = heights.fold((f64::INFINITY, 0.0_f64), |(low, high), y| (low.min(y), high.max(y)));
+    ((high - low.clamp(0.0, high)) / 1.75).clamp(0.4, 2.5)
 }
 
 /// How far along a ray it meets a triangle, m (Möller and Trumbore).
@@ -210,9 +211,10 @@ pub fn draw_pushes(canvas: &mut Canvas, camera: &Camera, lights: &Lights, overla
     }
 }
 
-/// Marks that stay legible: drawn flat over the finished picture, `size` times as large as on a common sheet.
-pub fn draw_points(image: &mut RgbaImage, camera: &Camera, overlay: &Overlay, size: f64) {
-    let ground = |at: DVec2| camera.project(DVec3::new(at.x, 0.0, at.y)).map(|(point, _)| point);
+/// Marks that stay legible: drawn flat over the finished picture, `size` times as large as on a common sheet. `floor`: how
+/// high the ground is where, m.
+pub fn draw_points(image: &mut RgbaImage, camera: &Camera, overlay: &Overlay, size: f64, floor: &dyn Fn(DVec2) -> f64) {
+    let ground = |at: DVec2| camera.project(DVec3::new(at.x, floor(at), at.y)).map(|(point, _)| point);
     if let Some(com) = overlay.com
         && let (Some((point, _)), Some(below)) = (camera.project(com), ground(flat(com)))
     {

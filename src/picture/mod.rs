@@ -16,6 +16,7 @@ pub mod raster;
 pub mod shadow;
 pub mod sheet;
 pub mod skin;
+pub mod stage;
 pub mod strip;
 pub mod text;
 
@@ -25,6 +26,7 @@ pub use marks::{Overlay, Push, SoleMark};
 pub use moments::{Moment, choose_moments, even_moments};
 pub use sheet::{SheetInput, film, sheet};
 pub use skin::{NodeTransforms, transforms_of_globals, transforms_of_locals};
+pub use stage::Stage;
 pub use strip::stick_strip;
 
 /// The bytes of a PNG file.

@@ -153,6 +153,61 @@ impl Canvas {
         }
     }
 
+    /// Sky alone, with haze under the horizon: for a ground that is drawn as triangles.
+    pub fn sky(&mut self, camera: &Camera) {
+        let columns = self.width * SAMPLES;
+        for y in 0..self.height {
+            for x in 0..self.width {
+                let ray = camera.ray(DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
+                let color = SKY_LOW.lerp(SKY_HIGH, (ray.normalize().y / 0.45).clamp(0.0, 1.0) as f32);
+                for row in y * SAMPLES..(y + 1) * SAMPLES {
+                    let first = row * columns + x * SAMPLES;
+                    self.color[first..first + SAMPLES].fill(color);
+                }
+            }
+        }
+    }
+
+    /// Triangles of the ground, lit, with its squares: `squares` gives the place in them of a point of space; `dark` how
+    /// much shadow lies on it, 0..1. They are drawn a little lower, as the flat ground is.
+    pub fn ground(
+        &mut self,
+        camera: &Camera,
+        lights: &Lights,
+        surface: &Surface,
+        squares: &dyn Fn(DVec3) -> DVec2,
+        dark: &dyn Fn(DVec3) -> f32,
+    ) {
+        let drop = DVec3::Y * GROUND_DROP;
+        for triangle in surface.indices.chunks_exact(3) {
+            let corners = [0, 1, 2].map(|at| surface.positions.get(triangle[at] as usize).copied());
+            let [Some(a), Some(b), Some(c)] = corners else { continue };
+            let projected = [a, b, c].map(|corner| camera.project(corner - drop));
+            let [Some(pa), Some(pb), Some(pc)] = projected else { continue };
+            let flat = (b - a).cross(c - a).normalize_or(DVec3::Y);
+            if flat.dot(a - camera.eye) > 0.0 {
+                continue;
+            }
+            let smooth = surface.normals.len() == surface.positions.len();
+            let normals = [0, 1, 2].map(|at| if smooth { surface.normals[triangle[at] as usize] } else { flat });
+            self.fill([pa, pb, pc], |canvas, sample, nearness, weights| {
+                if nearness <= canvas.nearness[sample] {
+                    return;
+                }
+                let mix = |of: [DVec3; 3]| (0..3).map(|at| of[at] * f64::from(weights[at])).sum::<DVec3>();
+                let (point, normal) = (mix([a, b, c]), mix(normals).normalize_or(flat).as_vec3());
+                let covers = DVec2::splat(1.0 / (f64::from(nearness) * camera.focal * SAMPLES as f64));
+                let upright = (normal.y - 0.2).clamp(0.0, 0.1) * 10.0;
+                let tile = tiles(squares(point), covers).lerp(TILE_DARK * 0.8, 1.0 - upright);
+                // Level ground is as bright as the flat one.
+                let level = shade(Vec3::ONE, Vec3::Y, lights);
+                let color = tile * shade(Vec3::ONE, normal, lights) / level;
+                canvas.color[sample] = color.lerp(SHADOW_TINT, dark(point));
+                canvas.nearness[sample] = nearness;
+            });
+        }
+    }
+
     /// The body's shadow on the ground and on what is painted there; before the body itself is drawn.
     pub fn shade_ground(&mut self, camera: &Camera, shadow: &GroundShadow) {
         let columns = self.width * SAMPLES;
@@ -387,11 +442,16 @@ fn backdrop(camera: &Camera, pixel: DVec2) -> Vec3 {
     let along = across * (1.0 + (distance / below).powi(2)).sqrt();
     let ahead = DVec2::new(ray.x, ray.z).normalize_or(DVec2::Y).abs();
     let covers = DVec2::new(across * ahead.y + along * ahead.x, across * ahead.x + along * ahead.y);
-    let square = checker(point.x, covers.x) * checker(point.z, covers.y);
-    let mut color = TILE_DARK.lerp(TILE_LIGHT, (0.5 + 0.5 * square) as f32);
-    color *= 1.0 - 0.20 * grid_line(point.x, covers.x).max(grid_line(point.z, covers.y)) as f32;
+    let color = tiles(DVec2::new(point.x, point.z), covers);
     let fade = 1.0 - (-((distance - 5.0).max(0.0) / 14.0)).exp();
     color.lerp(SKY_LOW, fade as f32)
+}
+
+/// The squares and lines of the ground at a place, m, averaged over `covers`.
+fn tiles(at: DVec2, covers: DVec2) -> Vec3 {
+    let square = checker(at.x, covers.x) * checker(at.y, covers.y);
+    let color = TILE_DARK.lerp(TILE_LIGHT, (0.5 + 0.5 * square) as f32);
+    color * (1.0 - 0.20 * grid_line(at.x, covers.x).max(grid_line(at.y, covers.y)) as f32)
 }
 
 /// Hemisphere, key light, a little sheen and rim.

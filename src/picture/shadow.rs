@@ -9,6 +9,8 @@ use glam::{DVec2, DVec3};
 /// Darkness on a patch of the ground.
 #[derive(Clone, Debug)]
 pub struct GroundShadow {
+    /// m, how far light goes sideways for each metre down, (x, z).
+    slant: DVec2,
     /// m, the patch's low corner, (x, z).
     origin: DVec2,
     /// Squares along each side.
@@ -28,8 +30,13 @@ const LARGEST: usize = 700;
 impl GroundShadow {
     /// The shadow of what the surfaces are, under a light that comes from `light` (unit, upwards).
     pub fn cast(surfaces: &[Surface], light: DVec3) -> Option<GroundShadow> {
+        GroundShadow::cast_over(surfaces, light, &|_| 0.0)
+    }
+
+    /// The same over ground that is so high (m) below a point: what lies on it is sharp. Ask [`GroundShadow::on`] then.
+    pub fn cast_over(surfaces: &[Surface], light: DVec3, floor: &dyn Fn(DVec3) -> f64) -> Option<GroundShadow> {
         let slant = DVec2::new(light.x, light.z) / light.y.max(0.2);
-        let fall = |point: DVec3| DVec2::new(point.x, point.z) - slant * point.y.max(0.0);
+        let fall = |point: DVec3| DVec2::new(point.x, point.z) - slant * point.y.max(floor(point));
         let mut low = DVec2::INFINITY;
         let mut high = DVec2::NEG_INFINITY;
         for point in surfaces.iter().flat_map(|surface| &surface.positions).filter(|point| point.is_finite()) {
@@ -48,7 +55,8 @@ impl GroundShadow {
             for triangle in surface.indices.chunks_exact(3) {
                 let corner = |at: usize| surface.positions.get(triangle[at] as usize).copied();
                 let (Some(a), Some(b), Some(c)) = (corner(0), corner(1), corner(2)) else { continue };
-                let height = (a.y + b.y + c.y) / 3.0;
+                let middle = (a + b + c) / 3.0;
+                let height = middle.y - floor(middle);
                 let Some(band) = BANDS.iter().position(|(top, _, _)| height < *top) else { continue };
                 let place = |point: DVec3| (fall(point) - origin) / CELL;
                 cover(&mut bands[band], columns, rows, [place(a), place(b), place(c)]);
@@ -65,10 +73,15 @@ impl GroundShadow {
                 *dark = 1.0 - (1.0 - *dark) * (1.0 - covered * depth);
             }
         }
-        Some(GroundShadow { origin, columns, rows, dark })
+        Some(GroundShadow { slant, origin, columns, rows, dark })
     }
 
-    /// How dark the ground is there, 0..1.
+    /// How dark a point of ground at any height is, 0..1.
+    pub fn on(&self, point: DVec3) -> f32 {
+        self.at(point.x - self.slant.x * point.y, point.z - self.slant.y * point.y)
+    }
+
+    /// How dark the ground at height 0 is there, 0..1.
     pub fn at(&self, x: f64, z: f64) -> f32 {
         let place = (DVec2::new(x, z) - self.origin) / CELL - 0.5;
         if place.x < 0.0 || place.y < 0.0 {

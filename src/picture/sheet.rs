@@ -9,10 +9,11 @@ use super::figure::flat;
 use super::marks::{Overlay, Push, SoleMark, sole_mark};
 use super::moments::{Moment, even_moments};
 use super::skin::{NodeTransforms, body_pose, surfaces};
+use super::stage::Stage;
 use crate::model::report::{Contact, Outcome, Part};
-use crate::model::{ClipReport, Role, Side};
+use crate::model::{ClipReport, Prop, Role, Side};
 use crate::rig::Rig;
-use glam::{DVec2, DVec3};
+use glam::{DQuat, DVec2, DVec3};
 use image::RgbaImage;
 
 /// What a sheet is made from.
@@ -25,6 +26,8 @@ pub struct SheetInput<'a> {
     pub report: &'a ClipReport,
     /// Marks that replace the computed ones where they are given: com, xi, cop; pushes and soles where not empty.
     pub overlay: Option<&'a dyn Fn(f64) -> Overlay>,
+    /// What stands and moves beside the body; without a ground among them it is flat and has no end.
+    pub props: &'a [Prop],
     /// Which moments; [`super::choose_moments`] finds them.
     pub moments: Vec<Moment>,
     /// Sizes.
@@ -47,15 +50,40 @@ pub fn sheet(input: &SheetInput) -> RgbaImage {
 pub fn film(input: &SheetInput, count: usize) -> RgbaImage {
     let layout = Layout { columns: 10, view: 150, plan: 0, ..input.layout };
     let moments = even_moments(input.report.duration, count.clamp(2, 200));
-    let SheetInput { rig, pose, report, overlay, .. } = *input;
-    sheet(&SheetInput { rig, pose, report, overlay, moments, layout })
+    let SheetInput { rig, pose, report, overlay, props, .. } = *input;
+    sheet(&SheetInput { rig, pose, report, overlay, props, moments, layout })
 }
 
 /// A foot's unbroken time on the ground and the print that it leaves.
 struct Spell {
     side: Side,
     end: f64,
+    made: f64, // s, the moment of `print`
     print: SoleMark,
+}
+
+/// How the ground is turned at a time.
+fn turn(input: &SheetInput, time: f64) -> DQuat {
+    input.props.iter().find(|prop| prop.ground).map_or(DQuat::IDENTITY, |prop| prop.at(time).rotation)
+}
+
+/// A mark turned about the origin.
+fn carried(mark: &SoleMark, turn: DQuat) -> SoleMark {
+    let all = |points: &[DVec3]| points.iter().map(|point| turn * *point).collect();
+    SoleMark { whole: all(&mark.whole), held: all(&mark.held), ..*mark }
+}
+
+/// A mark on the plane of its contact.
+fn laid(input: &SheetInput, contact: &Contact, time: f64, mark: SoleMark) -> SoleMark {
+    let similarity = &input.rig.document_from_scenario;
+    let turn = if contact.frame == "platform" { turn(input, time) } else { DQuat::IDENTITY };
+    let point = turn * similarity.inverse_point(DVec3::from(contact.position));
+    let normal = turn * (similarity.rotation.inverse() * DVec3::from(contact.normal));
+    if !(point + normal).is_finite() || normal.y < 0.1 {
+        return mark;
+    }
+    let down = |at: &DVec3| DVec3::new(at.x, point.y - flat(normal).dot(flat(*at - point)) / normal.y, at.z);
+    SoleMark { whole: mark.whole.iter().map(down).collect(), held: mark.held.iter().map(down).collect(), ..mark }
 }
 
 fn frame<'a>(input: &SheetInput<'a>, spells: &[Spell], moment: &Moment) -> Frame<'a> {
@@ -68,7 +96,7 @@ fn frame<'a>(input: &SheetInput<'a>, spells: &[Spell], moment: &Moment) -> Frame
         soles: Side::BOTH
             .into_iter()
             .filter_map(|side| contact_at(input.report, side, time))
-            .map(|contact| sole(input.rig, contact.foot, contact.part, &transforms))
+            .map(|contact| laid(input, contact, time, sole(input.rig, contact.foot, contact.part, &transforms)))
             .collect(),
         ..Overlay::default()
     };
@@ -87,9 +115,12 @@ fn frame<'a>(input: &SheetInput<'a>, spells: &[Spell], moment: &Moment) -> Frame
     if overlay.prints.is_empty() {
         let past =
             spells.iter().filter(|spell| spell.end < time && contact_end(input.report, spell.side, time) != spell.end);
-        overlay.prints = past.map(|spell| spell.print.clone()).collect();
+        // Prints on a platform turn on with it.
+        let turned = |spell: &Spell| carried(&spell.print, turn(input, time) * turn(input, spell.made).inverse());
+        overlay.prints = past.map(turned).collect();
     }
-    Frame { time, label: moment.label.clone(), surfaces: surfaces(input.rig, &transforms), overlay }
+    let stage = Stage::at(input.props, time);
+    Frame { time, label: moment.label.clone(), surfaces: surfaces(input.rig, &transforms), overlay, stage }
 }
 
 /// The end of the contact of that foot at that time; NaN in the air.
@@ -121,9 +152,9 @@ fn spells(input: &SheetInput) -> Vec<Spell> {
                 a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
             });
             if let Some(best) = best {
-                let transforms = (input.pose)((best.start + best.end) / 2.0);
-                let print = sole(input.rig, side, Part::Flat, &transforms);
-                spells.push(Spell { side, end: own[last].end, print });
+                let made = (best.start + best.end) / 2.0;
+                let print = laid(input, best, made, sole(input.rig, side, Part::Flat, &(input.pose)(made)));
+                spells.push(Spell { side, end: own[last].end, made, print });
             }
             at = last + 1;
         }
@@ -322,7 +353,7 @@ mod tests {
 
     fn draw(rig: &Rig, raise: f64, report: &ClipReport, moments: Vec<Moment>) -> RgbaImage {
         let pose = |time: f64| posed(rig, 0.15 * time, raise);
-        sheet(&SheetInput { rig, pose: &pose, report, overlay: None, moments, layout: Layout::default() })
+        sheet(&SheetInput { rig, pose: &pose, report, overlay: None, props: &[], moments, layout: Layout::default() })
     }
 
     fn one(time: f64) -> Vec<Moment> {
@@ -433,8 +464,15 @@ mod tests {
         let pose = |_: f64| vec![DAffine3::from_scale(DVec3::NAN); rig.nodes.len()];
         let report = pushed();
         let moments = choose_moments(&report, 12);
-        let input =
-            SheetInput { rig: &rig, pose: &pose, report: &report, overlay: None, moments, layout: Layout::default() };
+        let input = SheetInput {
+            rig: &rig,
+            pose: &pose,
+            report: &report,
+            overlay: None,
+            props: &[],
+            moments,
+            layout: Layout::default(),
+        };
         assert_eq!(sheet(&input).width(), 1400);
         assert_eq!(film(&input, 30).width(), 1400);
         assert_eq!(sheet(&SheetInput { moments: vec![], ..input }).width(), 1400);

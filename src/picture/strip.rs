@@ -16,6 +16,7 @@ pub fn stick_strip(body: &Body, poses: &[(f64, BodyPose)], overlays: &[Overlay],
             label: String::new(),
             surfaces: figure(body, pose),
             overlay: overlays.get(at).cloned().unwrap_or_else(|| Overlay::of_pose(body, pose, &[])),
+            ..Frame::default()
         })
         .collect();
     for at in 1..frames.len() {

@@ -32,6 +32,9 @@ pub fn read_parts(
     for (index, node) in document.list("nodes").iter().enumerate() {
         let place = format!("nodes[{index}]");
         let Some(mesh) = optional_index(node, "mesh", &place)? else { continue };
+        if node.pointer("/extras/surefoot/prop") == Some(&Value::Bool(true)) {
+            continue; // a thing that a bake put beside the body
+        }
         let skin = optional_index(node, "skin", &place)?.and_then(|skin| skins.get(skin));
         let entry = document.entry("meshes", mesh, &format!("{place}.mesh"))?;
         let primitives = entry.get("primitives").and_then(Value::as_array);
