@@ -291,6 +291,9 @@ pub fn reads_back(rig: &Rig, clip: &Clip, file: &[u8]) {
             (gltf::animation::util::ReadOutputs::Rotations(read), KeyValues::Rotation(keys)) => {
                 assert_eq!(&read.into_f32().collect::<Vec<_>>(), keys);
             }
+            (gltf::animation::util::ReadOutputs::Scales(read), KeyValues::Scale(keys)) => {
+                assert_eq!(&read.collect::<Vec<_>>(), keys);
+            }
             _ => panic!("another path"),
         }
     }

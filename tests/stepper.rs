@@ -36,7 +36,7 @@ fn toward(degrees: f64) -> DVec3 {
 }
 
 fn push(degrees: f64, impulse: f64) -> SessionPush {
-    SessionPush { start: START, duration: LENGTH, force: toward(degrees) * (impulse / LENGTH), arm: 0.0 }
+    SessionPush { start: START, duration: LENGTH, force: toward(degrees) * (impulse / LENGTH), turns: false, arm: 0.0 }
 }
 
 fn pushed(degrees: f64, impulse: f64) -> Trace {
@@ -113,7 +113,7 @@ fn recovers_from_the_papers_pushes_and_an_adult_from_most() {
         for _ in 0..2000 {
             let (force, duration) = (seed.between(10.0, 500.0), seed.between(0.1, 0.5));
             let (degrees, start) = (seed.between(0.0, 360.0), seed.between(0.0, 1.0));
-            let push = SessionPush { start, duration, force: toward(degrees) * force, arm: 0.0 };
+            let push = SessionPush { start, duration, force: toward(degrees) * force, turns: false, arm: 0.0 };
             let options = SimulateOptions { duration: start + duration, style, ..SimulateOptions::default() };
             let trace = simulate_pushes(&Physique::REFERENCE, &[push], &options);
             stood += u32::from(recovered(&trace));
@@ -291,7 +291,7 @@ fn a_body_of_another_size_and_mass_moves_alike() {
 
 #[test]
 fn leans_against_a_pull_that_lasts_and_straightens_after_it() {
-    let pull = SessionPush { start: 0.2, duration: 6.0, force: toward(180.0) * 60.0, arm: 0.0 };
+    let pull = SessionPush { start: 0.2, duration: 6.0, force: toward(180.0) * 60.0, turns: false, arm: 0.0 };
     let trace = simulate_pushes(
         &Physique::REFERENCE,
         &[pull],

@@ -23,6 +23,7 @@ use crate::measure::Findings;
 use crate::model::scenario::Scenario;
 use crate::model::{Body, Clip, ClipReport, Prop};
 use crate::rig::Rig;
+use std::borrow::Cow;
 
 /// How to bake.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,6 +78,8 @@ impl Default for BakeOptions {
 
 /// Runs the scenario on the rig and bakes the clip.
 pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Baked, BakeError> {
+    let scale = scenario.character.leg_scale;
+    let rig = &if scale == 1.0 { Cow::Borrowed(rig) } else { Cow::<Rig>::Owned(rig.with_leg_scale(scale)) };
     let body: Body = match scenario.character.mass {
         Some(mass) => rig.body.with_mass(mass),
         None => rig.body.clone(),

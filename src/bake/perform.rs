@@ -8,7 +8,7 @@ use super::timeline::Timeline;
 use super::{BakeError, balance, feet, reach};
 use crate::maths::seed::Seed;
 use crate::measure::{Frame, KnownPush, PushPoint};
-use crate::model::scenario::{Character, Scenario};
+use crate::model::scenario::{Character, Direction, Scenario};
 use crate::model::{Body, Role, Side, Terrain};
 use crate::sim::{Script, SessionPush, SimulateOptions, TickState, Trace, simulate};
 use crate::stepper::{Physique, Style};
@@ -49,6 +49,8 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
     let pushes = known_pushes(body, scenario);
     let trace = run(body, &anatomy, &physique, scenario, &pushes);
     check(&trace)?;
+    let acted = pushes.iter().zip(&trace.pushes);
+    let pushes: Vec<KnownPush> = acted.map(|((push, _), acted)| KnownPush { force: acted.force, ..*push }).collect();
     let scale = (physique.com_height / 0.96).sqrt();
     let count = ((scenario.duration / trace.dt).round() as usize + 1).min(trace.ticks.len());
     let ticks = &trace.ticks[..count];
@@ -111,19 +113,23 @@ fn held_until(timeline: &Timeline) -> Option<usize> {
 const OUT_OF_REACH: f64 = 5e-4;
 
 /// The scenario's pushes and pulls as forces on joints of the body, in order of start.
-fn known_pushes(body: &Body, scenario: &Scenario) -> Vec<KnownPush> {
-    let mut pushes: Vec<KnownPush> = scenario
+/// With each, whether its direction is the character's own: then as for one that faces +Z.
+fn known_pushes(body: &Body, scenario: &Scenario) -> Vec<(KnownPush, bool)> {
+    let mut pushes: Vec<(KnownPush, bool)> = scenario
         .push
         .iter()
         .chain(&scenario.pull)
-        .map(|push| KnownPush {
-            start: push.start,
-            end: push.end().min(scenario.duration),
-            force: push.toward.unit(0.0) * push.force,
-            at: PushPoint::Joint(nearest_joint(body, push.at)),
+        .map(|push| {
+            let known = KnownPush {
+                start: push.start,
+                end: push.end().min(scenario.duration),
+                force: push.toward.unit(0.0) * push.force,
+                at: PushPoint::Joint(nearest_joint(body, push.at)),
+            };
+            (known, !matches!(push.toward, Direction::Vector(_)))
         })
         .collect();
-    pushes.sort_by(|a, b| a.start.total_cmp(&b.start));
+    pushes.sort_by(|a, b| a.0.start.total_cmp(&b.0.start));
     pushes
 }
 
@@ -139,17 +145,24 @@ pub fn nearest_joint(body: &Body, role: Role) -> usize {
     0
 }
 
-fn run(body: &Body, anatomy: &Anatomy, physique: &Physique, scenario: &Scenario, pushes: &[KnownPush]) -> Trace {
+fn run(
+    body: &Body,
+    anatomy: &Anatomy,
+    physique: &Physique,
+    scenario: &Scenario,
+    pushes: &[(KnownPush, bool)],
+) -> Trace {
     let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
     let com = DVec3::Y * physique.com_height;
     let standing = Solver::new(body, anatomy).solve(&stand::stand_target(body, &plants, com, 0.0));
     let positions = standing.pose.positions(body);
     let pushes: Vec<SessionPush> = pushes
         .iter()
-        .map(|push| SessionPush {
+        .map(|(push, turns)| SessionPush {
             start: push.start,
             duration: push.end - push.start,
             force: push.force,
+            turns: *turns,
             arm: match push.at {
                 PushPoint::Joint(joint) => positions[joint].y - physique.com_height,
                 _ => 0.0,
@@ -188,7 +201,8 @@ fn upper_body(ticks: &[TickState], dt: f64, physique: &Physique, seed: u64, scen
         head_gain: one(),
         elbow: one(),
     };
-    let mut reaction = Reaction::new(physique, personality, scenario.character.style.arms);
+    let unhurried = style(&scenario.character).unhurried();
+    let mut reaction = Reaction::new(physique, personality, scenario.character.style.arms).unhurried(unhurried);
     let script = Script::of(scenario, Vec::new());
     let senses = |tick: &TickState, time: f64| Senses {
         acceleration: tick.acceleration,
@@ -211,6 +225,7 @@ fn style(character: &Character) -> Style {
         step_height: character.style.step_height,
         stance_width: character.style.stance_width,
         readiness: character.style.readiness,
+        recovery_time: character.style.recovery_time,
         ..Style::default()
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod body;
 pub mod clip;
+mod leg_scale;
 pub mod physique;
 pub mod pose;
 pub mod props;

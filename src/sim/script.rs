@@ -54,23 +54,10 @@ impl Script {
         }
     }
 
-    /// What is meant at a time, undisturbed. The latest of the walk and turn lanes that spoke rules the facing.
+    /// What is meant at a time, undisturbed.
     pub fn intent(&self, time: f64) -> Inputs {
         let walk = current(&self.walk, |walk| (walk.start, walk.duration), time);
-        let spoken = last_begun(&self.walk, |walk| walk.start, time)
-            .map(|walk| (walk.start, walk.facing.unwrap_or(walk.heading)));
-        let turned = last_begun(&self.turn, |turn| turn.start, time).map(|turn| (turn.start, turn.facing));
-        let facing = match (spoken, turned) {
-            (Some(walk), Some(turn)) => {
-                if turn.0 >= walk.0 {
-                    turn.1
-                } else {
-                    walk.1
-                }
-            }
-            (Some(only), None) | (None, Some(only)) => only.1,
-            (None, None) => 0.0,
-        };
+        let facing = self.facing(time);
         Inputs {
             facing,
             walk: walk.map(|walk| DVec2::new(walk.heading.sin(), walk.heading.cos()) * walk.speed),
@@ -80,6 +67,35 @@ impl Script {
                 .map_or(Feet::Both, |stand| stand.on),
             ..Inputs::default()
         }
+    }
+
+    /// rad, where the pelvis is meant to point. The latest of the walk and turn lanes that spoke rules.
+    fn facing(&self, time: f64) -> f64 {
+        let spoken = last_begun(&self.walk, |walk| walk.start, time)
+            .map(|walk| (walk.start, walk.facing.unwrap_or(walk.heading)));
+        let turned = last_begun(&self.turn, |turn| turn.start, time);
+        match (spoken, turned) {
+            (Some(walk), Some(turn)) if walk.0 > turn.start => walk.1,
+            (_, Some(turn)) => self.turning(turn, time),
+            (Some(walk), None) => walk.1,
+            (None, None) => 0.0,
+        }
+    }
+
+    /// rad, in the course of a turn that takes its duration, from what was meant before it.
+    fn turning(&self, turn: &Turn, time: f64) -> f64 {
+        let Some(duration) = turn.duration.filter(|&duration| time < turn.start + duration) else { return turn.facing };
+        let earlier = turn.start - 1e-6;
+        let walk = last_begun(&self.walk, |walk| walk.start, earlier - 1e-9);
+        let before = last_begun(&self.turn, |turn| turn.start, earlier - 1e-9);
+        let from = match (walk, before) {
+            (Some(walk), Some(before)) if walk.start > before.start => walk.facing.unwrap_or(walk.heading),
+            (_, Some(before)) => before.facing,
+            (Some(walk), None) => walk.facing.unwrap_or(walk.heading),
+            (None, None) => 0.0,
+        };
+        let share = ((time - turn.start) / duration).clamp(0.0, 1.0);
+        from + (turn.facing - from) * share * share * (3.0 - 2.0 * share)
     }
 }
 

@@ -5,7 +5,7 @@
 use super::{Script, TickState, Trace};
 use crate::model::Terrain;
 use crate::stepper::{self, Inputs, Params, Physique, State, Style, TickOutput, ground};
-use glam::{DVec2, DVec3};
+use glam::{DQuat, DVec2, DVec3};
 
 /// s, the length of a tick.
 pub const TICK: f64 = 0.01;
@@ -17,8 +17,10 @@ pub struct SessionPush {
     pub start: f64,
     /// s.
     pub duration: f64,
-    /// N.
+    /// N, in scenario space; where it `turns`, for a character that faces +Z.
     pub force: DVec3,
+    /// Its direction is the character's own: turned by the way that it faces when the push starts.
+    pub turns: bool,
     /// m, its point of attack over the centre of mass.
     pub arm: f64,
 }
@@ -87,6 +89,14 @@ impl Session {
         &self.last
     }
 
+    /// Fixes the directions of pushes that are the character's own and start in the coming tick (or did before).
+    pub fn resolve(&self, pushes: &mut [SessionPush]) {
+        for push in pushes.iter_mut().filter(|push| push.turns && push.start < self.state.time + self.dt - 1e-9) {
+            push.force = DQuat::from_rotation_y(self.state.facing) * push.force;
+            push.turns = false;
+        }
+    }
+
     fn record(&self, inputs: &Inputs) -> TickState {
         TickState { xi: self.state.xi(), push: inputs.force, push_moment: inputs.moment, ..still(&self.state) }
     }
@@ -97,7 +107,8 @@ pub fn simulate_pushes(physique: &Physique, pushes: &[SessionPush], options: &Si
     simulate(physique, &Script::standing(pushes), options)
 }
 
-/// Runs to the end: the asked duration, and on until at rest (at most `extra` s); it stops where balance is lost.
+/// Runs to the end: the asked duration, and on until at rest (at most `extra` s) unless it is told to walk on; it stops
+/// where balance is lost.
 pub fn simulate(physique: &Physique, script: &Script, options: &SimulateOptions) -> Trace {
     let mut session = Session::new(physique, &script.terrain, &options.style, options.dt);
     let start = session.state.feet;
@@ -105,20 +116,25 @@ pub fn simulate(physique: &Physique, script: &Script, options: &SimulateOptions)
     let most = planned + ticks_in(options.extra, options.dt);
     let mut ticks = Vec::with_capacity(planned.min(100_000) + 1);
     let mut steps = Vec::new();
+    let mut pushes = script.pushes.clone();
     ticks.push(*session.tick_state());
     let settle = 0.5;
     while ticks.len() <= most {
-        if ticks.len() > planned && session.state.rest >= settle && session.state.intent.is_none() {
+        let intent = script.intent(session.state.time);
+        let done = session.state.rest >= settle && session.state.intent.is_none();
+        if ticks.len() > planned && (done || intent.walk.is_some_and(|walk| walk != DVec2::ZERO)) {
             break;
         }
-        let output = session.step(&script.intent(session.state.time), &script.pushes);
+        session.resolve(&mut pushes);
+        let output = session.step(&intent, &pushes);
         ticks.push(*session.tick_state());
         steps.extend(output.landed);
         if output.lost {
             break;
         }
     }
-    Trace { dt: options.dt, ticks, steps, start, lost: session.state.lost, rest: session.state.rest }
+    session.resolve(&mut pushes);
+    Trace { dt: options.dt, ticks, steps, pushes, start, lost: session.state.lost, rest: session.state.rest }
 }
 
 /// Whole ticks that cover that time; a day at most.
@@ -152,5 +168,7 @@ fn still(state: &State) -> TickState {
         feet: state.feet,
         planted: crate::model::Side::BOTH.map(|side| state.planted(side)),
         facing: state.facing,
+        walk: state.gait.velocity,
+        gait: state.gait.phase,
     }
 }

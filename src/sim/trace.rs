@@ -1,6 +1,7 @@
 //! What a run leaves behind: the state at every tick and the steps with their exact times. Scenario space, SI units.
 
-use crate::stepper::{Plant, Step};
+use super::SessionPush;
+use crate::stepper::{Phase, Plant, Step};
 use glam::{DVec2, DVec3};
 
 /// A finished run. Tick `i` stands at `i * dt` s.
@@ -12,6 +13,8 @@ pub struct Trace {
     pub ticks: Vec<TickState>,
     /// Steps in the order of their lifts. A swing that the end cut off is not in it.
     pub steps: Vec<Step>,
+    /// The script's pushes in its order; those that turned with the character as they acted.
+    pub pushes: Vec<SessionPush>,
     /// Where the feet stand at time 0: left, right.
     pub start: [Plant; 2],
     /// Balance was lost at that time (s): the ticks end there.
@@ -43,4 +46,8 @@ pub struct TickState {
     pub planted: [bool; 2],
     /// rad, where the pelvis should point.
     pub facing: f64,
+    /// m/s, the commanded velocity as the gait follows it, (x, z); 0 to stand.
+    pub walk: DVec2,
+    /// Where in the gait.
+    pub gait: Phase,
 }

@@ -3,7 +3,7 @@
 use super::foothold::{ankles, middle};
 use super::support::{Support, Tread};
 use super::{Inputs, Params, Physique, State, Step, StepKind, Swing, TickOutput};
-use super::{balance::pressure, decide, ground, legs, support, swing};
+use super::{balance::pressure, decide, ground, legs, support, swing, walk};
 use crate::maths::pendulum::GRAVITY;
 use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
@@ -22,13 +22,22 @@ pub fn tick(
         return output;
     }
     perceive(params, physique, state, inputs, dt);
+    walk::steer(params, state, inputs, dt);
     if state.swing.is_none() {
-        decide::decide(params, physique, state);
-        output.lifted = decide::lift(params, physique, state, dt);
+        let (walking, lifted) = walk::both_down(params, physique, state, inputs, dt);
+        output.lifted = lifted;
+        if !walking {
+            decide::decide(params, physique, state);
+            output.lifted = decide::lift(params, physique, state, dt);
+        }
     }
     decide::replan(params, physique, state, dt);
-    let wanted = pressure(params, physique, state);
-    state.cop += (wanted - state.cop) * (1.0 - (-dt / params.lag).exp());
+    if let Some(cop) = walk::pressure(params, physique, state, dt) {
+        state.cop = cop;
+    } else {
+        let wanted = pressure(params, physique, state);
+        state.cop += (wanted - state.cop) * (1.0 - (-dt / params.lag).exp());
+    }
     legs::integrate(params, physique, state, inputs, dt);
     state.tick += 1;
     state.time = state.tick as f64 * dt;
@@ -82,6 +91,9 @@ fn advance(params: &Params, physique: &Physique, state: &mut State, dt: f64) -> 
     state.last = Some(swing.side);
     if swing.kind != StepKind::Comfort {
         state.recovering = 0.0;
+    }
+    if swing.kind == StepKind::Walk {
+        walk::landed(params, physique, state, swing.side, dt);
     }
     let Swing { side, kind, lift, from, to, .. } = swing;
     Some(Step { side, kind, lift, land: state.time, from, to })

@@ -7,7 +7,7 @@ use super::balance::steady_lean;
 use super::foothold::{ankles, beside, corrective, middle_after};
 use super::support::{Support, Tread};
 use super::{Intent, Params, Passing, Physique, Plant, State, StepKind, Swing, Trigger};
-use super::{control::wrap, foothold, ground, swing};
+use super::{control::wrap, foothold, ground, swing, walk};
 use crate::maths::pendulum;
 use crate::model::Side;
 use glam::{DVec2, DVec3};
@@ -121,7 +121,7 @@ pub fn lift(params: &Params, physique: &Physique, state: &mut State, dt: f64) ->
             params.swing * (1.0 - 0.12 * (speed.length() / 1.5).min(1.0)) * (1.0 - 0.14 * sideways)
         }
         StepKind::FollowUp | StepKind::Comfort if !intent.committed => return None,
-        StepKind::FollowUp => params.follow_swing,
+        StepKind::FollowUp | StepKind::Walk => params.follow_swing,
         StepKind::Comfort => params.comfort_swing,
     };
     let ticks = (swing_time / dt).round().max(2.0);
@@ -200,6 +200,8 @@ pub fn replan(params: &Params, physique: &Physique, state: &mut State, dt: f64) 
     let stance = ground(state.feet[swing.side.other() as usize].ankle);
     let wanted = if swing.kind == StepKind::Corrective {
         corrective(params, physique, state, swing.side, swing.passing, (left_over, whole)).plant
+    } else if swing.kind == StepKind::Walk {
+        walk::replan(params, physique, state, &swing)
     } else {
         let (comfortable, slip) = followed(params, physique, state, swing.side, left_over);
         let ankle = ground(comfortable.ankle) + slip;

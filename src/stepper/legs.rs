@@ -1,14 +1,16 @@
 //! The spring legs and the flight of the centre of mass: height by springs whose rest lengths the feet set, level motion
 //! by the lean over the centre of pressure, the push on top.
 
-use super::{Inputs, Params, Physique, State, StepKind, ground, swing};
+use super::{Inputs, Params, Phase, Physique, State, StepKind, ground, swing};
 use crate::maths::pendulum::{self, GRAVITY};
 use crate::model::Side;
 use glam::{DVec2, DVec3};
 
 /// Moves the centre of mass on by `dt` s.
 pub fn integrate(params: &Params, physique: &Physique, state: &mut State, inputs: &Inputs, dt: f64) {
-    let rest = rest_height(params, physique, state).min(physique.com_height - state.arc);
+    let walking = matches!(state.gait.phase, Phase::Single | Phase::Double);
+    let legs = if walking { physique.com_height } else { rest_height(params, physique, state) };
+    let rest = legs.min(physique.com_height - state.arc);
     let push = inputs.force / physique.mass;
     let spring = (params.spring * (rest - state.com.y) - params.damper * state.velocity.y) / physique.mass;
     let wanted = match &state.swing {
@@ -22,6 +24,7 @@ pub fn integrate(params: &Params, physique: &Physique, state: &mut State, inputs
     };
     let lift =
         state.lift + (wanted.clamp(-0.35 * GRAVITY, 1.0 * GRAVITY) - state.lift) * (1.0 - (-dt / params.leg_lag).exp());
+    let lift = if params.leg_change { lift } else { 0.0 };
     let lift = if lift.abs() < 1e-12 * GRAVITY { 0.0 } else { lift };
     state.lift = lift;
     let tip = state.tip * (1.0 / (0.2 * params.tempo));

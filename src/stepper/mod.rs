@@ -11,16 +11,19 @@ mod balance;
 mod control;
 mod decide;
 mod foothold;
+mod gait;
 mod legs;
 pub mod params;
 pub mod state;
 pub mod support;
 mod swing;
+mod walk;
 
 pub use control::tick;
 pub use params::{Params, Style, Trigger};
 pub use state::{Inputs, Intent, Passing, State, Swing, TickOutput};
 pub use support::{Support, SupportModel};
+pub use walk::{Gait, Phase};
 
 pub use crate::model::{Physique, Plant};
 
@@ -32,6 +35,8 @@ use glam::{DVec2, DVec3};
 pub enum StepKind {
     /// To catch the fall.
     Corrective,
+    /// One of the gait.
+    Walk,
     /// The trailing foot comes after.
     FollowUp,
     /// Back into a comfortable stand.

@@ -31,8 +31,21 @@ pub struct Style {
     pub step_height: f64,
     /// 0..1, how wide the stand is that it returns to; 0.5 as the body stands.
     pub stance_width: f64,
+    /// Pressure moves under the feet. Without: the paper's bare pendulum, that touches the ground in points.
+    pub ankle_feedback: bool,
+    /// Legs give and stretch. Without: the height is kept.
+    pub leg_change: bool,
     /// 0..1, how readily it steps rather than sways; 0.5 as people do.
     pub readiness: f64,
+    /// 0..1, how long it takes over coming back to a comfortable stand; 0.5 as people do, 0 half of it, 1 twice.
+    pub recovery_time: f64,
+}
+
+impl Style {
+    /// Times people's, how long the way back to a comfortable stand takes.
+    pub fn unhurried(&self) -> f64 {
+        4_f64.powf(self.recovery_time.clamp(0.0, 1.0) - 0.5)
+    }
 }
 
 impl Default for Style {
@@ -44,7 +57,10 @@ impl Default for Style {
             support: SupportModel::Soles,
             step_height: 0.5,
             stance_width: 0.5,
+            ankle_feedback: true,
+            leg_change: true,
             readiness: 0.5,
+            recovery_time: 0.5,
         }
     }
 }
@@ -104,6 +120,16 @@ pub struct Params {
     pub leg_bias: f64,    // of the leg's length error in the step's length
     pub trail: f64,       // m, the trailing foot starts when the centre of mass is so far from it and leaving
     pub lift_height: f64, // m, of the swinging ankle
+    // Gait.
+    pub rolls: bool,      // the pressure rolls under the feet
+    pub ramp: f64,        // m/s2, of the commanded velocity
+    pub step_width: f64,  // m, between the ankles' lines
+    pub step_gap: f64,    // m, between the ankles of feet that pass each other
+    pub stumble: f64,     // m, a wanted landing so far out of reach wants a corrective step
+    pub walk_bias: f64,   // of the leg's length error in the gait's step length
+    pub brief: f64,       // s, the swings of the first and the last step are no longer than so
+    pub walk_gain: f64,   // of ankle feedback on ξ at touchdown
+    pub leg_change: bool, // legs give and stretch
     // Comfort.
     pub stagger: f64, // m
     pub widen: f64,   // share of the width
@@ -157,9 +183,9 @@ impl Params {
             reaction: dial(0.20, 0.11, 0.0) * tempo,
             swing: dial(0.36, 0.30, 0.22) * tempo,
             follow_swing: dial(0.42, 0.37, 0.30) * tempo,
-            comfort_swing: 0.46 * tempo,
+            comfort_swing: 0.46 * tempo * style.unhurried(),
             double_support: dial(0.08, 0.06, 0.02) * tempo,
-            pause: 0.35 * tempo,
+            pause: 0.35 * tempo * style.unhurried(),
             reach: dial(0.85, 1.0, 1.45) * legs_reach,
             ankle_speed: dial(6.0, 8.0, 16.0) * pace,
             gap,
@@ -183,6 +209,15 @@ impl Params {
             leg_bias: 0.4,
             trail: 0.36 * physique.leg_length,
             lift_height: (0.05 + 0.08 * style.step_height.clamp(0.0, 1.0)) * size,
+            rolls: style.ankle_feedback,
+            ramp: 0.8 * pace / tempo,
+            step_width: (0.10 * size).max(2.0 * physique.half_width + 0.005 * size),
+            step_gap: (0.09 * size).max(2.0 * physique.half_width),
+            stumble: 0.12 * size,
+            walk_bias: 0.3,
+            brief: 0.45 * tempo,
+            walk_gain: 0.7,
+            leg_change: style.leg_change,
             stagger: 0.05 * size,
             widen: 0.25,
             twist: 0.2,

@@ -1,6 +1,7 @@
 //! The controller's state, what it is told each tick and what it says. Plain values, scenario space, SI units.
 
 use super::support::{Support, Tread};
+use super::walk::Gait;
 use super::{Params, Physique, Plant, Step, StepKind, ground, support};
 use crate::maths::pendulum;
 use crate::model::Side;
@@ -101,6 +102,8 @@ pub struct State {
     pub inset: Support,
     /// The swing in progress.
     pub swing: Option<Swing>,
+    /// The gait.
+    pub gait: Gait,
     /// The step decided on.
     pub intent: Option<Intent>,
     /// rad, where the pelvis points.
@@ -166,6 +169,7 @@ impl State {
             inset: hold(params.margin),
             feet,
             swing: None,
+            gait: Gait::still(params.lead),
             intent: None,
             facing,
             ahead: support::forward(facing),

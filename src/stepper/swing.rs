@@ -1,7 +1,7 @@
 //! The swinging foot's way through the air: a cubic Bezier on the ground, bowed around the stance leg, and a lift that
 //! starts and ends at rest. Scenario space, metres.
 
-use super::{Params, Plant, Swing, ground};
+use super::{Params, Plant, StepKind, Swing, ground};
 use glam::{DVec2, DVec3};
 
 /// How far along its way a swing is, 0..1, by the clock.
@@ -11,7 +11,7 @@ pub fn phase(swing: &Swing, time: f64) -> f64 {
 
 /// Where the foot is at that phase.
 pub fn along(params: &Params, swing: &Swing, phase: f64) -> Plant {
-    let eased = ease(phase);
+    let eased = if swing.kind == StepKind::Walk { phase * phase * (3.0 - 2.0 * phase) } else { ease(phase) };
     let (from, to) = (ground(swing.from.ankle), ground(swing.to.ankle));
     let path = bezier(from, to, swing.detour, eased);
     let up = 16.0 * phase * phase * (1.0 - phase) * (1.0 - phase);
@@ -45,6 +45,9 @@ pub fn round(from: DVec2, to: DVec2, stance: DVec2, else_way: DVec2) -> DVec2 {
 
 /// Peak over mean speed of the easing.
 pub const PEAK: f64 = 1.875;
+
+/// The same of a walking step: the foot is under way before it leaves the ground.
+pub const WALK_PEAK: f64 = 1.5;
 
 fn ease(u: f64) -> f64 {
     u * u * u * (10.0 + u * (6.0 * u - 15.0))

@@ -25,7 +25,13 @@ fn standing(bencher: Bencher) {
 #[divan::bench(args = [30.0, 60.0, 100.0])]
 fn pushed(bencher: Bencher, impulse: f64) {
     let body = Physique::REFERENCE;
-    let push = SessionPush { start: 0.1, duration: 0.2, force: DVec3::new(0.7, 0.0, 0.7) * (impulse / 0.2), arm: 0.3 };
+    let push = SessionPush {
+        start: 0.1,
+        duration: 0.2,
+        force: DVec3::new(0.7, 0.0, 0.7) * (impulse / 0.2),
+        turns: false,
+        arm: 0.3,
+    };
     let options = SimulateOptions { duration: 4.0, extra: 0.0, ..SimulateOptions::default() };
     bencher
         .counter(ItemsCount::new(400_u32))

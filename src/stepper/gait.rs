@@ -1,0 +1,134 @@
+//! The gait's own sums: its rhythm at a speed, the pressure's roll under a step, and where the next foot must land for
+//! the speed to be held. Ground plane (x, z), metres, seconds.
+//!
+//! A step is reckoned from touchdown to touchdown: the pressure runs from the rear ball to the front heel while both
+//! feet carry, then from heel to ball under the one. Of such a roll the pendulum feels one effective pivot, and over
+//! that pivot the paper's formula gives the step's length. Sources: Kenwright (2013), step distance with residual
+//! speed; Hof (2008), steady gait by the extrapolated centre of mass; Sekiya (1997), walk ratio.
+
+use super::{Params, Physique, Plant, State, support};
+use crate::maths::pendulum;
+use crate::model::Side;
+use glam::{DVec2, DVec3};
+
+/// One step of a steady gait.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rhythm {
+    /// s, from touchdown to touchdown.
+    pub step: f64,
+    /// s of it, both feet carry.
+    pub double: f64,
+    /// m, between the lines of the two feet.
+    pub width: f64,
+    /// m ahead of the ankle, where the pressure arrives under a foot and where it leaves it.
+    pub roll: [f64; 2],
+}
+
+/// The rhythm in which people walk at that velocity, m/s (x, z).
+pub fn rhythm(params: &Params, physique: &Physique, ahead: DVec2, velocity: DVec2) -> Rhythm {
+    let pace = velocity * (params.tempo / params.size); // of the reference body
+    let speed = pace.length();
+    let way = pace / speed.max(1e-9);
+    let (along, across) = (way.dot(ahead), way.perp_dot(ahead));
+    let forward = if along > 0.0 { 0.0065 } else { 0.0050 };
+    let ratio = forward * along * along + 0.0018 * across * across; // m per step/min
+    let cadence = (60.0 * speed / ratio.max(1e-4)).sqrt().max(66.0);
+    let step = 60.0 / cadence;
+    let share = (0.24 - 0.133 * (speed - 1.2)).clamp(0.14, 0.36);
+    let travel = speed * step * across.abs() * params.size;
+    let foot = physique.tip - physique.heel;
+    let full = (speed / 0.5).min(1.0) * along;
+    let (rear, front) = (physique.heel + 0.26 * foot, physique.heel + 0.70 * foot);
+    let (mid, half) = (0.5 * (rear + front), 0.5 * (front - rear) * full);
+    let (mid, half) = if params.rolls { (mid, half) } else { (params.com_forward, 0.0) };
+    Rhythm {
+        step: step * params.tempo,
+        double: if params.rolls { share * step * params.tempo } else { 0.0 },
+        width: params.step_width + travel,
+        roll: [mid - half, mid + half],
+    }
+}
+
+/// What a linear run of the pressure weighs in ξ's fate: the factors of its two ends, for a run of `time` s that starts
+/// `after` s from now.
+pub fn weights(omega: f64, after: f64, time: f64) -> [f64; 2] {
+    let (one, two) = ((-omega * after).exp(), (-omega * (after + time)).exp());
+    let mean = (one - two) / (omega * time).max(1e-9);
+    [one - mean, mean - two]
+}
+
+/// Position and velocity after `time` s while the pivot runs straight from `from` to `to`, at constant height.
+pub fn carried(position: DVec2, velocity: DVec2, [from, to]: [DVec2; 2], omega: f64, time: f64) -> (DVec2, DVec2) {
+    let drift = (to - from) / time.max(1e-9);
+    let (end, speed) = pendulum::predict(position, velocity - drift, from, omega, time);
+    (end + drift * time, speed + drift)
+}
+
+/// The step that a landing begins, as ξ sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pivot {
+    /// Weights of the rear foot and of the landing one; they add up to 1.
+    pub shares: [f64; 2],
+    /// m, what the roll adds, (x, z).
+    pub rolled: DVec2,
+    /// m, how far ξ must be from it at touchdown, (x, z).
+    pub lead: DVec2,
+}
+
+/// The effective pivot of the step that begins when `side` lands beside a foot of yaw `rear_yaw`, and ξ's lead on it
+/// that keeps the velocity.
+pub fn pivot(
+    rhythm: &Rhythm,
+    omega: f64,
+    side: Side,
+    [rear_yaw, yaw]: [f64; 2],
+    ahead: DVec2,
+    velocity: DVec2,
+) -> Pivot {
+    let [first, second] = weights(omega, 0.0, rhythm.double);
+    let [third, fourth] = weights(omega, rhythm.double, rhythm.step - rhythm.double);
+    let all = 1.0 - (-omega * rhythm.step).exp();
+    let [early, late] = rhythm.roll;
+    let toe = support::forward(yaw);
+    let rolled = support::forward(rear_yaw) * (first * late) + toe * ((second + third) * early + fourth * late);
+    let grown = (omega * rhythm.step).exp();
+    let shares = [first / all, (second + third + fourth) / all];
+    let aside = DVec2::new(ahead.y, -ahead.x);
+    let next = -aside * (side.sign() * rhythm.width);
+    let lead = velocity * (rhythm.step / (grown - 1.0)) + next * ((shares[1] - shares[0]) / (1.0 + grown));
+    Pivot { shares, rolled: rolled / all, lead }
+}
+
+impl Pivot {
+    /// The ξ at touchdown that suits that landing.
+    pub fn xi_for(&self, rear: DVec2, ankle: DVec2) -> DVec2 {
+        rear * self.shares[0] + ankle * self.shares[1] + self.rolled + self.lead
+    }
+
+    /// The landing for a body that is at `com` with `velocity` at touchdown: along the way by the paper's step distance
+    /// with the apex speed that belongs to the lead, across it by the lead itself.
+    pub fn landing(
+        &self,
+        rear: DVec2,
+        (com, velocity): (DVec2, DVec2),
+        (omega, height, rise, bias): (f64, f64, f64, f64),
+        way: DVec2,
+    ) -> DVec2 {
+        let wanted = velocity / omega - self.lead;
+        let (speed, level) = (velocity.dot(way), wanted.dot(way));
+        // the apex speed that the vault over a level step leaves
+        let residual = speed * speed - 2.0 * pendulum::GRAVITY * (height.hypot(level) - height);
+        let distance = if residual > 0.0 && level > 0.0 {
+            pendulum::step_distance(speed, residual.sqrt(), height, rise)
+        } else {
+            level
+        };
+        let over = com + wanted + way * (distance - level + bias);
+        (over - self.rolled - rear * self.shares[0]) / self.shares[1]
+    }
+}
+
+/// Where a walking foot points and stands.
+pub fn plant(physique: &Physique, state: &State, side: Side, ankle: DVec2) -> Plant {
+    Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), state.facing + side.sign() * physique.toe_out)
+}
