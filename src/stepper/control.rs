@@ -3,7 +3,7 @@
 use super::foothold::{ankles, middle};
 use super::support::{Support, Tread};
 use super::{Inputs, Params, Physique, State, Step, StepKind, Swing, TickOutput};
-use super::{balance::pressure, decide, ground, legs, support, swing, walk};
+use super::{balance::pressure, decide, ground, legs, roll, support, swing, walk};
 use crate::maths::pendulum::GRAVITY;
 use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
@@ -32,7 +32,7 @@ pub fn tick(
         }
     }
     decide::replan(params, physique, state, dt);
-    if let Some(cop) = walk::pressure(params, physique, state, dt) {
+    if let Some(cop) = roll::pressure(params, physique, state, dt) {
         state.cop = cop;
     } else {
         let wanted = pressure(params, physique, state);
@@ -93,7 +93,7 @@ fn advance(params: &Params, physique: &Physique, state: &mut State, dt: f64) -> 
         state.recovering = 0.0;
     }
     if swing.kind == StepKind::Walk {
-        walk::landed(params, physique, state, swing.side, dt);
+        walk::landed(params, physique, state, swing.side);
     }
     let Swing { side, kind, lift, from, to, .. } = swing;
     Some(Step { side, kind, lift, land: state.time, from, to })

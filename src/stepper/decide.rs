@@ -7,7 +7,7 @@ use super::balance::steady_lean;
 use super::foothold::{ankles, beside, corrective, middle_after};
 use super::support::{Support, Tread};
 use super::{Intent, Params, Passing, Physique, Plant, State, StepKind, Swing, Trigger};
-use super::{control::wrap, foothold, ground, swing, walk};
+use super::{control::wrap, footfall, foothold, ground, swing};
 use crate::maths::pendulum;
 use crate::model::Side;
 use glam::{DVec2, DVec3};
@@ -201,7 +201,9 @@ pub fn replan(params: &Params, physique: &Physique, state: &mut State, dt: f64) 
     let wanted = if swing.kind == StepKind::Corrective {
         corrective(params, physique, state, swing.side, swing.passing, (left_over, whole)).plant
     } else if swing.kind == StepKind::Walk {
-        walk::replan(params, physique, state, &swing)
+        let (plant, land) = footfall::replan(params, physique, state, &swing, dt);
+        (swing.land, state.gait.until) = (land, land);
+        plant
     } else {
         let (comfortable, slip) = followed(params, physique, state, swing.side, left_over);
         let ankle = ground(comfortable.ankle) + slip;

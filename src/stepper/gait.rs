@@ -53,7 +53,10 @@ pub fn rhythm(params: &Params, physique: &Physique, ahead: DVec2, velocity: DVec
 /// `after` s from now.
 pub fn weights(omega: f64, after: f64, time: f64) -> [f64; 2] {
     let (one, two) = ((-omega * after).exp(), (-omega * (after + time)).exp());
-    let mean = (one - two) / (omega * time).max(1e-9);
+    if omega * time < 1e-9 {
+        return [0.0, 0.0];
+    }
+    let mean = (one - two) / (omega * time);
     [one - mean, mean - two]
 }
 
@@ -111,7 +114,7 @@ impl Pivot {
         &self,
         rear: DVec2,
         (com, velocity): (DVec2, DVec2),
-        (omega, height, rise, bias): (f64, f64, f64, f64),
+        (omega, height, rise): (f64, f64, f64),
         way: DVec2,
     ) -> DVec2 {
         let wanted = velocity / omega - self.lead;
@@ -123,7 +126,7 @@ impl Pivot {
         } else {
             level
         };
-        let over = com + wanted + way * (distance - level + bias);
+        let over = com + wanted + way * (distance - level);
         (over - self.rolled - rear * self.shares[0]) / self.shares[1]
     }
 }

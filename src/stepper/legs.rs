@@ -29,7 +29,9 @@ pub fn integrate(params: &Params, physique: &Physique, state: &mut State, inputs
     state.lift = lift;
     let tip = state.tip * (1.0 / (0.2 * params.tempo));
     state.tip -= tip * dt;
-    let flat = (ground(state.com) - state.cop) * ((GRAVITY + lift) / state.com.y) + tip;
+    // at the tick's middle: ξ grows by what the closed form says
+    let middle = ground(state.com) + ground(state.velocity) * (0.5 * dt);
+    let flat = (middle - state.cop) * ((GRAVITY + lift) / state.com.y) + tip;
     let acceleration = DVec3::new(flat.x + push.x, lift + push.y, flat.y + push.z);
     state.com += state.velocity * dt + acceleration * (0.5 * dt * dt);
     state.velocity += acceleration * dt;
@@ -42,6 +44,7 @@ pub fn integrate(params: &Params, physique: &Physique, state: &mut State, inputs
         })
         .fold(f64::INFINITY, f64::min);
     let height = physique.com_height;
+    let off = if walking { off.min(0.23 * physique.leg_length * physique.leg_length) } else { off };
     let arc = params.slip_arc * (height - (height * height - off.min(0.5 * height * height)).sqrt());
     state.arc += (arc - state.arc) * (1.0 - (-dt / (0.06 * params.tempo)).exp());
 }

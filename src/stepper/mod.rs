@@ -10,10 +10,12 @@
 mod balance;
 mod control;
 mod decide;
+mod footfall;
 mod foothold;
 mod gait;
 mod legs;
 pub mod params;
+mod roll;
 pub mod state;
 pub mod support;
 mod swing;

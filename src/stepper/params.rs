@@ -126,8 +126,8 @@ pub struct Params {
     pub step_width: f64,  // m, between the ankles' lines
     pub step_gap: f64,    // m, between the ankles of feet that pass each other
     pub stumble: f64,     // m, a wanted landing so far out of reach wants a corrective step
-    pub walk_bias: f64,   // of the leg's length error in the gait's step length
     pub brief: f64,       // s, the swings of the first and the last step are no longer than so
+    pub least_swing: f64, // s, a hasty swing of the gait
     pub walk_gain: f64,   // of ankle feedback on ξ at touchdown
     pub leg_change: bool, // legs give and stretch
     // Comfort.
@@ -213,8 +213,9 @@ impl Params {
             ramp: 0.8 * pace / tempo,
             step_width: (0.10 * size).max(2.0 * physique.half_width + 0.005 * size),
             step_gap: (0.09 * size).max(2.0 * physique.half_width),
-            stumble: 0.12 * size,
-            walk_bias: 0.3,
+            stumble: 0.35 * size,
+            least_swing: dial(0.34, 0.28, 0.20) * tempo,
+
             brief: 0.45 * tempo,
             walk_gain: 0.7,
             leg_change: style.leg_change,

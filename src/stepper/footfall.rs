@@ -1,0 +1,165 @@
+//! Where and when a step of the gait lands: the wanted foothold bent to what legs can do, and sooner where it is out of
+//! reach. Ground plane (x, z), metres, seconds. Source of the timing: Khadiv (2016), step timing adjustment.
+
+use super::gait::{self, Rhythm};
+use super::{Params, Physique, Plant, State, Swing, ground, support, swing, walk};
+use crate::maths::pendulum;
+use crate::model::Side;
+use glam::DVec2;
+
+/// A planned landing.
+#[derive(Clone, Copy, Debug)]
+pub struct Footfall {
+    /// Where.
+    pub plant: Plant,
+    /// m, how far it is from where it is wanted.
+    pub off: f64,
+    /// s, until the foot lifts; 0 where it has.
+    pub wait: f64,
+    /// s, from then (or now) until it lands.
+    pub time: f64,
+}
+
+/// The landing of `side` that lifts in `wait` s and flies for `time` s more, sooner if that brings it nearer to where it
+/// is wanted; neither is made shorter than `least`.
+pub fn plan(
+    params: &Params,
+    physique: &Physique,
+    state: &State,
+    side: Side,
+    (wait, time): (f64, f64),
+    least: (f64, f64),
+) -> Footfall {
+    let rhythm = walk::rhythm_now(params, physique, state);
+    let mut best = landing(params, physique, state, &rhythm, side, (wait, time));
+    if best.off < 0.02 * params.size || !params.rolls && wait + time <= least.0 + least.1 {
+        return best;
+    }
+    let mut price = best.off;
+    for haste in 1..=6 {
+        let share = 1.0 - 0.15 * f64::from(haste);
+        let sooner = ((wait * share).max(least.0.min(wait)), (time * share).max(least.1.min(time)));
+        let found = landing(params, physique, state, &rhythm, side, sooner);
+        let cost = found.off + 0.05 * params.size * (1.0 - share);
+        if cost < price {
+            (best, price) = (found, cost);
+        }
+    }
+    best
+}
+
+/// The swing in the air, aimed again: its landing and its time.
+pub fn replan(params: &Params, physique: &Physique, state: &State, swing: &Swing, dt: f64) -> (Plant, f64) {
+    let gone = state.time - swing.lift;
+    let least = (params.least_swing - gone).max(2.0 * dt);
+    let footfall = plan(params, physique, state, swing.side, (0.0, (swing.land - state.time).max(0.0)), (0.0, least));
+    let ticks = (footfall.time / dt).ceil().max(1.0);
+    let sooner = (swing.land - state.time - ticks * dt).clamp(0.0, 2.0 * dt);
+    (footfall.plant, swing.land - (sooner / dt).round() * dt)
+}
+
+/// The centre of mass when `side` lands: its position (leaning against a force that lasts) and velocity.
+pub fn touchdown(
+    params: &Params,
+    physique: &Physique,
+    state: &State,
+    rhythm: &Rhythm,
+    (side, cop): (Side, DVec2),
+    (wait, time): (f64, f64),
+) -> (DVec2, DVec2) {
+    let omega = walk::omega(physique);
+    let stance = &state.feet[side.other() as usize];
+    let rear = ground(stance.ankle);
+    let toe = support::forward(stance.yaw);
+    // what a shove will yet do, over the force that lasts
+    let goes_on = state.pushed.min(params.expect).min((wait + time).max(0.0));
+    let more = (state.touch - state.gait.lasting) * (goes_on / physique.mass);
+    let (mut com, mut velocity) = (ground(state.com) + lean(physique, state), ground(state.velocity) + more);
+    let mut cop = cop;
+    if wait > 0.0 {
+        let early = rear + toe * rhythm.roll[0];
+        (com, velocity) = gait::carried(com, velocity, [cop, early], omega, wait);
+        cop = early;
+    }
+    if time > 0.0 {
+        (com, velocity) = gait::carried(com, velocity, [cop, rear + toe * rhythm.roll[1]], omega, time);
+    }
+    (com, velocity)
+}
+
+/// m, how far ahead of the centre of mass the pressure balances a force that lasts.
+pub fn lean(physique: &Physique, state: &State) -> DVec2 {
+    let omega = walk::omega(physique);
+    state.gait.lasting / (physique.mass * omega * omega)
+}
+
+/// The effective pivot of the step that `side` begins when it lands, and the lead that keeps the commanded velocity; the
+/// legs' length error shortens the step as the paper's bias.
+pub fn pivot(params: &Params, physique: &Physique, state: &State, rhythm: &Rhythm, side: Side) -> gait::Pivot {
+    let rear = &state.feet[side.other() as usize];
+    let yaws = [rear.yaw, state.facing + side.sign() * physique.toe_out];
+    let mut pivot = gait::pivot(rhythm, walk::omega(physique), side, yaws, state.ahead, state.gait.velocity);
+    let slack = params.leg_bias * (physique.com_height - state.com.y);
+    pivot.lead += state.gait.velocity.normalize_or_zero() * slack;
+    pivot
+}
+
+fn landing(
+    params: &Params,
+    physique: &Physique,
+    state: &State,
+    rhythm: &Rhythm,
+    side: Side,
+    (wait, time): (f64, f64),
+) -> Footfall {
+    let gait = &state.gait;
+    let stance = &state.feet[side.other() as usize];
+    let rear = ground(stance.ankle);
+    let mut cop = state.cop;
+    if gait.side == side && matches!(gait.phase, walk::Phase::Single | walk::Phase::Double) {
+        // a tick's pressure is its middle's
+        let (to, left) = if gait.phase == walk::Phase::Single { (1, time) } else { (0, wait) };
+        let end = rear + support::forward(stance.yaw) * rhythm.roll[to];
+        cop += (end - cop) * (0.5 * gait.tick / left.max(gait.tick));
+    }
+    let (com, velocity) = touchdown(params, physique, state, rhythm, (side, cop), (wait, time));
+    let out = state.aside() * side.sign();
+    let wanted = if gait.last {
+        let distance = pendulum::step_distance(velocity.length(), 0.0, state.com.y, 0.0);
+        com + velocity.normalize_or_zero() * distance + out * (0.5 * params.width) - state.ahead * params.com_forward
+    } else {
+        let step = pivot(params, physique, state, rhythm, side);
+        let way = gait.velocity.normalize_or(state.ahead);
+        step.landing(rear, (com, velocity), (walk::omega(physique), state.com.y.max(0.1), 0.0), way)
+    };
+    let (from, gone) = match state.swing {
+        Some(swing) if swing.side == side => (ground(swing.from.ankle), state.time - swing.lift),
+        _ => (ground(state.feet[side as usize].ankle), 0.0),
+    };
+    let ankle = bounded(params, physique, state, (wanted, from, rear, out), com, gone + time);
+    Footfall { plant: gait::plant(physique, state, side, ankle), off: ankle.distance(wanted), wait, time }
+}
+
+/// The nearest landing that legs can do in `fly` s.
+fn bounded(
+    params: &Params,
+    physique: &Physique,
+    state: &State,
+    (wanted, from, rear, out): (DVec2, DVec2, DVec2, DVec2),
+    com: DVec2,
+    fly: f64,
+) -> DVec2 {
+    let hip = com - state.ahead * params.com_forward + out * (0.5 * params.width);
+    let far = params.ankle_speed * fly / swing::WALK_PEAK;
+    let foot = physique.tip - physique.heel;
+    let mut ankle = wanted;
+    for _ in 0..2 {
+        ankle = hip + (ankle - hip).clamp_length_max(params.reach);
+        ankle = from + (ankle - from).clamp_length_max(far);
+        let relative = ankle - rear;
+        let past = (relative.dot(state.ahead).abs() / foot).min(1.0);
+        let gap = params.step_gap * (1.0 - 0.7 * past * past);
+        ankle += out * (gap - relative.dot(out)).max(0.0);
+    }
+    ankle
+}

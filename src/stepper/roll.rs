@@ -1,0 +1,105 @@
+//! The pressure's way in the gait: its roll under the feet, ankle feedback around it, the weight shift before the first
+//! step. Ground plane (x, z), metres.
+
+use super::gait::{self, Rhythm};
+use super::support::{Support, Tread};
+use super::walk::{Phase, omega, rhythm_now};
+use super::{Params, Physique, State, StepKind, footfall, ground, support};
+use crate::model::Side;
+use glam::DVec2;
+
+/// The centre of pressure during this tick; `None` where the gait is not in charge of it.
+pub fn pressure(params: &Params, physique: &Physique, state: &mut State, dt: f64) -> Option<DVec2> {
+    let gait = state.gait;
+    let stance = state.feet[gait.side.other() as usize];
+    let toe = support::forward(stance.yaw);
+    match gait.phase {
+        Phase::Rest => return None,
+        Phase::Start => return Some(prepare(params, physique, state, dt)),
+        Phase::Single if state.swing.is_none_or(|swing| swing.kind != StepKind::Walk) => return None,
+        Phase::Double if !params.rolls => return Some(state.cop),
+        Phase::Single if !params.rolls => return Some(contact(params, state, gait.side.other())),
+        Phase::Single | Phase::Double => {}
+    }
+    let rhythm = rhythm_now(params, physique, state);
+    let length = (gait.until - gait.since).max(dt);
+    let along = |time: f64| ((time - gait.since) / length).clamp(0.0, 1.0);
+    let single = gait.phase == Phase::Single;
+    let end = ground(stance.ankle) + toe * rhythm.roll[usize::from(single)];
+    let now = gait.from.lerp(end, along(state.time));
+    let left_over = (gait.until - state.time).max(0.0);
+    let times = if single { (0.0, left_over) } else { (left_over, rhythm.step - rhythm.double) };
+    let wanted = feedback(params, physique, state, &rhythm, now, times);
+    let shift = gait.shift + (wanted - gait.shift) * (1.0 - (-dt / params.lag).exp());
+    state.gait.shift = shift;
+    let half = along(state.time + 0.5 * dt);
+    let roll = gait.from.lerp(end, half);
+    let fading = ((1.0 - half) / 0.3).min(1.0);
+    let at = roll + shift * fading;
+    if !single {
+        return Some(state.inset.nearest(at));
+    }
+    Some(Support::one(params, physique, &stance, Tread::Whole, params.margin).nearest(at))
+}
+
+/// How far the pressure should be off its roll for the step to come out as a steady one would.
+fn feedback(
+    params: &Params,
+    physique: &Physique,
+    state: &State,
+    rhythm: &Rhythm,
+    now: DVec2,
+    (wait, time): (f64, f64),
+) -> DVec2 {
+    let gait = &state.gait;
+    let omega = omega(physique);
+    let (com, velocity) = footfall::touchdown(params, physique, state, rhythm, (gait.side, now), (wait, time));
+    let xi = com + velocity / omega;
+    let mut error = xi - steady_xi(params, physique, state, rhythm, gait.side);
+    if gait.last {
+        let stance = ground(state.feet[gait.side.other() as usize].ankle);
+        let middle = stance + state.aside() * (0.5 * gait.side.sign() * params.width);
+        error = state.aside() * (xi - middle).dot(state.aside());
+    }
+    error * (params.walk_gain / ((omega * (wait + time).max(0.2 * params.tempo)).exp() - 1.0))
+}
+
+/// ξ at the touchdown of a step as long and as wide as the steady ones.
+fn steady_xi(params: &Params, physique: &Physique, state: &State, rhythm: &Rhythm, side: Side) -> DVec2 {
+    let rear = ground(state.feet[side.other() as usize].ankle);
+    let ankle = rear + state.gait.velocity * rhythm.step + state.aside() * (side.sign() * rhythm.width);
+    footfall::pivot(params, physique, state, rhythm, side).xi_for(rear, ankle)
+}
+
+/// Where the bare pendulum touches the ground.
+pub fn contact(params: &Params, state: &State, side: Side) -> DVec2 {
+    let foot = &state.feet[side as usize];
+    ground(foot.ankle) + support::forward(foot.yaw) * params.com_forward
+}
+
+/// The pressure that brings the weight over the stance foot and forward of it, first away from it.
+fn prepare(params: &Params, physique: &Physique, state: &State, dt: f64) -> DVec2 {
+    let gait = &state.gait;
+    let omega = omega(physique);
+    let rhythm = &rhythm_now(params, physique, state);
+    let stance = &state.feet[gait.side.other() as usize];
+    let early = ground(stance.ankle) + support::forward(stance.yaw) * params.com_forward;
+    let late = ground(stance.ankle) + support::forward(stance.yaw) * rhythm.roll[1];
+    let over = 0.16 * params.tempo;
+    let left_over = (gait.until - state.time).max(0.0);
+    if left_over <= over {
+        let share = (dt / left_over.max(dt)).min(1.0);
+        return state.cop + (early - state.cop) * share;
+    }
+    let single = (rhythm.step - rhythm.double).min(params.brief);
+    let landing = steady_xi(params, physique, state, rhythm, gait.side);
+    let [one, two] = gait::weights(omega, 0.0, single);
+    let at_lift = landing * (-omega * single).exp() + early * one + late * two;
+    let hold = left_over - over;
+    let kept = (-omega * hold).exp();
+    let [one, two] = gait::weights(omega, hold, over);
+    let xi = state.xi() + footfall::lean(physique, state);
+    let pivot = (xi - at_lift * (-omega * left_over).exp() - early * two) / (1.0 - kept + one);
+    let pivot = state.inset.nearest(pivot);
+    state.cop + (pivot - state.cop) * (1.0 - (-dt / params.lag).exp())
+}
