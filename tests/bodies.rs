@@ -207,7 +207,12 @@ fn a_bevelled_shoe_ends_where_it_bears() {
             levelled.x * foot.forward.x + levelled.z * foot.forward.y
         });
         let most = bearing.fold(0.0, f64::max);
-        assert!((foot.tip - most).abs() < 0.002, "the tip is at {:.4}, the sole bears to {most:.4}", foot.tip);
+        // Between them lies the bevel, which 45 degrees of pitch bring down.
+        assert!(
+            (0.0..0.008).contains(&(foot.tip - most)),
+            "the tip is at {:.4}, the sole bears to {most:.4}",
+            foot.tip
+        );
     }
 }
 
@@ -215,7 +220,7 @@ fn a_bevelled_shoe_ends_where_it_bears() {
 fn wide_clothes_spread_the_arms_and_narrow_hips_do_not() {
     let spread = |name: &str| real(name).map(|rig| Anatomy::new(&rig.body).arms.map(|arm| arm.widen.to_degrees()));
     let Some([left, right]) = spread("godette_vrm0.vrm") else { return };
-    assert!((5.0..20.0).contains(&left) && left == right, "shorts that stand off: {left} and {right}");
+    assert!((5.0..20.0).contains(&left) && (left - right).abs() < 0.001, "shorts that stand off: {left} and {right}");
     for name in ["m2m_human_male.glb", "gdquest_mannequiny.glb", "sketchbook_boxman.glb"] {
         assert_eq!(spread(name), Some([0.0; 2]), "{name}");
     }

@@ -13,8 +13,11 @@ use crate::whole_body::Anatomy;
 use crate::whole_body::solve::{FootTarget, Solved};
 use glam::{DQuat, DVec2, DVec3};
 
-/// rad/s, mean speed at which a heel comes up: faster, and the ankle snaps.
-const FASTEST_ROLL: f64 = 1.2;
+/// rad/s, mean speed at which a heel comes up (a smaller body's too, frames being what they are): faster, and toes and
+/// ankle snap.
+const FASTEST_ROLL: f64 = 1.05;
+/// s, by how much a heel that lands after its ball begins to come down before the ball lands.
+const LEAD: f64 = 0.05;
 
 /// rad, dorsiflexion past which the heel comes up: a little inside of the ankle's range of 30 degrees.
 const DORSIFLEXION: f64 = 26.0 * std::f64::consts::PI / 180.0;
@@ -227,7 +230,14 @@ impl FootPath {
     /// The foot with its ankle there; `foot` and `toe` are turns of the levelled foot that points along +Z.
     fn pose(&self, ankle: DVec3, yaw: f64, foot: DQuat, toe: DQuat) -> FootTarget {
         let from_rest = DQuat::from_rotation_y(-self.rest_yaw);
-        FootTarget { ankle, foot: foot * from_rest * self.level, toe: toe * from_rest * self.toe_level, yaw, soft: 0.0 }
+        FootTarget {
+            ankle,
+            foot: foot * from_rest * self.level,
+            toe: toe * from_rest * self.toe_level,
+            yaw,
+            soft: 0.0,
+            bend: None,
+        }
     }
 
     fn flat_ankle(&self, plant: &Plant) -> DVec3 {
@@ -358,7 +368,7 @@ impl Swing {
             settle,
             peak_after,
             onward: forward > 0.1,
-            peak: peak.to_radians().min(FASTEST_ROLL / scale * (heel_off + peak_after)),
+            peak: peak.to_radians().min(FASTEST_ROLL / scale.max(1.0) * (heel_off + peak_after)),
             strike: strike.to_radians(),
             clearance: leg * (0.045 + 0.05 * distance.min(1.0)),
             aside: detour(step, other, physique),
@@ -367,17 +377,31 @@ impl Swing {
         }
     }
 
+    /// Pitch that the heel's rise alone gives.
+    fn rise(&self, time: f64) -> f64 {
+        self.peak * smooth5((time - self.lift + self.heel_off) / (self.heel_off + self.peak_after))
+    }
+
     /// Pitch at a time between heel off and flat.
     fn pitch(&self, time: f64) -> f64 {
         let (start, top) = (self.lift - self.heel_off, self.lift + self.peak_after);
         if time <= start {
             0.0
-        } else if time <= top {
-            self.peak * smooth5((time - start) / (top - start))
-        } else if time <= self.land {
-            self.peak + (self.strike - self.peak) * smooth5((time - top) / (self.land - top))
+        } else if time <= top && (self.strike <= self.peak || time <= self.lift) {
+            self.rise(time)
         } else {
-            self.strike * (1.0 - smooth3((time - self.land) / self.settle.max(1e-9)))
+            let turn = self.land - if self.strike > 0.0 { LEAD.min(0.25 * (self.land - top)) } else { 0.0 };
+            if time <= turn {
+                let more = self.strike - self.peak;
+                if more > 0.0 {
+                    // A heel that lands higher than it left rises all the way.
+                    self.rise(time) + more * smooth3((time - self.lift) / (turn - self.lift))
+                } else {
+                    self.peak + more * smooth5((time - top) / (turn - top))
+                }
+            } else {
+                self.strike * (1.0 - smooth3((time - turn) / (self.land - turn + self.settle).max(1e-9)))
+            }
         }
     }
 }

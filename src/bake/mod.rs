@@ -7,6 +7,7 @@ mod balance;
 pub mod contacts;
 pub mod feet;
 pub mod keys;
+mod knees;
 mod leg_chain;
 pub mod perform;
 pub mod props;

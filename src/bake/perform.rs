@@ -5,7 +5,7 @@
 
 use super::contacts::{self, FootContact};
 use super::timeline::Timeline;
-use super::{BakeError, balance, feet, reach};
+use super::{BakeError, balance, feet, knees, reach};
 use crate::maths::seed::Seed;
 use crate::measure::{Frame, KnownPush, PushPoint};
 use crate::model::scenario::{Character, Direction, Scenario};
@@ -63,6 +63,7 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         com: ticks.iter().map(|tick| DVec3::new(tick.com.x, physique.com_height, tick.com.z)).collect(),
         shift: vec![DVec3::ZERO; count],
         lowering: vec![0.0; count],
+        bends: [Vec::new(), Vec::new()],
         upper: upper_body(ticks, trace.dt, &physique, seed, scenario),
         feet: feet::FootCurves::new(body, &physique, &trace.start, &trace.steps, still_until, scale),
         terrain: Terrain::new(&scenario.ground),
@@ -79,12 +80,14 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
             feet.ease_ankles(body, anatomy, &solved, &cop, *dt);
             held = contacts::held(&feet.contacts((count - 1) as f64 * *dt), frame);
         }
+        knees::even_knees(&mut timeline, &solved, scale);
         if pass > 0 {
             let poses: Vec<_> = solved.into_iter().map(|solved| solved.pose).collect();
             zmp_before_pass.push(balance::pass(&mut timeline, &poses, &held, &pushes));
         }
     }
     let solved = timeline.solve_all();
+    // The swinging legs' mass moves the hips: the bends stay, so that this lowering is the one that they need.
     reach::lower_into_reach(&mut timeline, &solved, scale);
     let mut lost = trace.lost;
     if lost.is_some()

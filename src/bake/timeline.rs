@@ -8,7 +8,7 @@ use crate::maths::curve::sample;
 use crate::model::{Body, BodyPose, Side, Terrain};
 use crate::whole_body::reaction::{UPPER, UpperAngles, upper_turns};
 use crate::whole_body::solve::Solved;
-use crate::whole_body::{Anatomy, PoseTarget, Solver};
+use crate::whole_body::{Anatomy, FootTarget, PoseTarget, Solver};
 use glam::DVec3;
 
 /// Everything that a pose is made of, over the run.
@@ -28,6 +28,8 @@ pub struct Timeline {
     pub shift: Vec<DVec3>,
     /// m, by how much the reach envelope lowers it.
     pub lowering: Vec<f64>,
+    /// rad, bends of the knees, left and right; a leg in the air takes them, a planted one bends as it must. Empty: none does.
+    pub bends: [Vec<f64>; 2],
     /// Upper body and pelvis.
     pub upper: Vec<UpperAngles>,
     /// Both feet.
@@ -47,6 +49,7 @@ impl Timeline {
         self.com.truncate(last + 1);
         self.shift.truncate(last + 1);
         self.lowering.truncate(last + 1);
+        self.bends.iter_mut().for_each(|bends| bends.truncate(last + 1));
         self.upper.truncate(last + 1);
     }
 
@@ -85,6 +88,11 @@ impl Timeline {
 
     fn assemble(&self, com: DVec3, upper: &UpperAngles, time: f64) -> PoseTarget {
         let (pelvis, chest, head, arms) = upper_turns(upper);
-        PoseTarget { com, pelvis, chest, head, arms, feet: Side::BOTH.map(|side| self.feet.at(side, time)) }
+        let feet = Side::BOTH.map(|side| {
+            let bends = &self.bends[side as usize];
+            let free = !bends.is_empty() && self.feet.freedom(side, time) > 0.0;
+            FootTarget { bend: free.then(|| sample(bends, self.dt, time)), ..self.feet.at(side, time) }
+        });
+        PoseTarget { com, pelvis, chest, head, arms, feet }
     }
 }

@@ -126,6 +126,19 @@ pub struct FootShape {
 }
 
 impl FootShape {
+    /// m, along `forward` from the ankle, levelled: where the sole ends for a body that leans on it, its bevel with it. A
+    /// stiff foot turns about `tip` only, the foremost point that bears.
+    pub fn foremost(&self) -> f64 {
+        if self.toe.is_some() {
+            return self.tip;
+        }
+        let along = |vertex: &DVec3| {
+            let levelled = self.level * *vertex;
+            levelled.x * self.forward.x + levelled.z * self.forward.y
+        };
+        self.front_sole.iter().map(along).fold(self.tip, f64::max)
+    }
+
     /// The rearmost point of the sole that a raised forefoot turns about: an offset from the ankle at rest, rigid with the
     /// foot joint. A heel's rounded back hangs over the ground and holds nothing, so height counts against it.
     pub fn heel_point(&self) -> DVec3 {

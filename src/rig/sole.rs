@@ -15,9 +15,6 @@ const LEVEL_WITHIN: f64 = 3.0 * std::f64::consts::PI / 180.0;
 const BAND: f64 = 0.0088;
 /// Sine of the roll over which a mesh is no foot (25 degrees).
 const MOST_ROLL: f64 = 0.4226;
-/// How much further ahead a vertex must lie for each unit that it is over the ground, to be the tip.
-const TIP_ROUNDING: f64 = 8.0;
-
 /// What is known of a foot.
 pub(super) struct FootInput<'a> {
     /// Left or right.
@@ -239,11 +236,11 @@ fn from_mesh(input: &FootInput) -> Option<(FootShape, Vec<String>)> {
     Some((shape, warnings))
 }
 
-/// The foremost point that bears: what a bevelled or sprung tip holds over the ground counts against it, as at the heel
-/// ([`FootShape::heel_point`]), since a foot that turned about a tip in the air would hover. `points`: along the foot and over its plane, m.
+/// Where a stiff foot turns over its tip: what a bevelled or sprung tip holds over the ground counts against it, since a
+/// foot that turned about a point in the air would hover; and turned by 45 degrees no point of it comes under the ground.
+/// `points`: along the foot and over its plane, m.
 fn bearing_tip(points: impl Iterator<Item = (f64, f64)>, ball: f64, tip: f64) -> f64 {
-    let reach = |point: &(f64, f64)| point.0 - TIP_ROUNDING * point.1;
-    let bearing = points.max_by(|a, b| reach(a).total_cmp(&reach(b))).map_or(tip, |point| point.0);
+    let bearing = points.map(|(along, over)| along - over).fold(f64::NEG_INFINITY, f64::max);
     if bearing > ball { bearing } else { tip }
 }
 
@@ -363,12 +360,13 @@ mod tests {
         let bevel = [-0.03, 0.0, 0.03].map(|x| FootVertex { offset: DVec3::new(x, -0.069, 0.192), toe: false });
         vertices.extend(bevel);
         let (shape, _) = foot_shape(&input(&vertices, None));
-        assert_near(shape.tip, 0.18, 1e-9, "tip");
+        assert_near(shape.tip, 0.192 - 0.011, 1e-9, "tip");
+        assert_near(shape.foremost(), 0.192, 1e-9, "foremost");
         assert!(shape.front_sole.iter().any(|point| point.z > 0.19), "the bevel is of the sole all the same");
         // A millimetre up is no bevel: people's tips are rounded.
         let nearly = [-0.03, 0.03].map(|x| FootVertex { offset: DVec3::new(x, -0.079, 0.192), toe: false });
         vertices.extend(nearly);
-        assert_near(foot_shape(&input(&vertices, None)).0.tip, 0.192, 1e-9, "tip");
+        assert_near(foot_shape(&input(&vertices, None)).0.tip, 0.192 - 0.001, 1e-9, "tip");
     }
 
     #[test]

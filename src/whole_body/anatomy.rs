@@ -150,4 +150,16 @@ impl Leg {
     pub fn length(&self) -> f64 {
         self.thigh_length + self.shank_length
     }
+
+    /// rad, the knee's bend with the ankle `distance` m from the hip; 0 past the straight leg.
+    pub fn bend_at(&self, distance: f64) -> f64 {
+        let (a, b) = (self.thigh_length, self.shank_length);
+        ((distance * distance - a * a - b * b) / (2.0 * a * b).max(1e-12)).clamp(-1.0, 1.0).acos()
+    }
+
+    /// m from hip to ankle at a bend of the knee.
+    pub fn length_at(&self, bend: f64) -> f64 {
+        let (a, b) = (self.thigh_length, self.shank_length);
+        (a * a + b * b + 2.0 * a * b * bend.cos()).max(0.0).sqrt()
+    }
 }

@@ -56,6 +56,8 @@ pub struct FootTarget {
     pub yaw: f64,
     /// 0 planted: the ankle is where it is told. Towards 1 (mid-swing) a leg near its full length gives way softly.
     pub soft: f64,
+    /// rad, instead of the ankle's distance from the hip: how far the knee bends. The ankle lies on the line to `ankle` then.
+    pub bend: Option<f64>,
 }
 
 /// A solved pose and what it cost.
@@ -232,7 +234,10 @@ impl<'a> Solver<'a> {
         let pelvis_yaw = yaw_of(target.pelvis);
         let yaw = pelvis_yaw + 0.65 * crate::maths::quat::wrap_angle(foot.yaw - pelvis_yaw);
         let pole = DVec3::new(yaw.sin(), 0.25, yaw.cos());
-        let ankle = soft_reach(hip, foot.ankle, leg.length(), foot.soft);
+        let ankle = match foot.bend {
+            Some(bend) => hip + (foot.ankle - hip).normalize_or(DVec3::NEG_Y) * leg.length_at(bend),
+            None => soft_reach(hip, foot.ankle, leg.length(), foot.soft),
+        };
         let chain = two_bone_ik(hip, ankle, leg.thigh_length, leg.shank_length, pole, STRAIGHTEST);
         pose.turns[leg.upper] = limb_frame(chain.middle - hip, chain.hinge) * leg.thigh_from_rest;
         pose.turns[leg.lower] = limb_frame(chain.end - chain.middle, chain.hinge) * leg.shank_from_rest;
@@ -249,7 +254,7 @@ impl<'a> Solver<'a> {
 }
 
 /// Draws a swinging ankle in before the leg is straight, so that the knee does not snap: from 88 % of the leg at `soft` 1.
-fn soft_reach(hip: DVec3, ankle: DVec3, leg: f64, soft: f64) -> DVec3 {
+pub fn soft_reach(hip: DVec3, ankle: DVec3, leg: f64, soft: f64) -> DVec3 {
     let to = ankle - hip;
     let distance = to.length();
     let longest = leg * (STRAIGHTEST - 0.012 * soft);

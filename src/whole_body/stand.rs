@@ -69,6 +69,7 @@ pub fn flat_foot(body: &Body, side: Side, plant: &Plant) -> FootTarget {
         toe: turn * shape.toe_level,
         yaw: plant.yaw,
         soft: 0.0,
+        bend: None,
     }
 }
 
@@ -89,7 +90,7 @@ pub fn stand_target(body: &Body, plants: &[Plant; 2], com: DVec3, facing: f64) -
 pub fn physique(body: &Body, anatomy: &Anatomy) -> Physique {
     let leg_length = (anatomy.legs[0].length() + anatomy.legs[1].length()) * 0.5;
     let mean = |value: fn(&crate::model::FootShape) -> f64| (value(&body.feet[0]) + value(&body.feet[1])) * 0.5;
-    let (heel, tip, half_width) = (mean(|f| f.heel), mean(|f| f.tip), mean(|f| f.half_width));
+    let (heel, tip, half_width) = (mean(|f| f.heel), mean(|f| f.foremost()), mean(|f| f.half_width));
     // Wide hips and wide shoes stand wider.
     let stance_width = (STANCE_WIDTH * leg_length).max(0.85 * anatomy.hip_width).max(2.3 * half_width);
     let com_forward = heel + COM_OVER_SOLE * (tip - heel);

@@ -1,0 +1,134 @@
+//! Knees of swinging legs: bends that leave the ground and come down again as the planted leg bends, without a jerk.
+//!
+//! The foot's own flight, the hip's sway and the soft reach each are smooth, but the knee near straight is a steep function
+//! of the distance between hip and ankle: together they start, turn and stop it within a frame or two. So the bend over a
+//! swing is fitted by the least speed and acceleration that stay near the wanted bend, join the planted bends on both sides
+//! and keep the sole off the ground; the ankle follows along its leg's line. Scenario space, metres, seconds, radians.
+
+use super::timeline::Timeline;
+use crate::maths::banded::BandedLeastSquares;
+use crate::model::{Body, Side};
+use crate::whole_body::FootTarget;
+use crate::whole_body::solve::{Solved, soft_reach};
+use glam::DVec3;
+
+/// s, over which the fit slows the knee down, and over which it rounds what is left (for a centre of mass at 0.96 m).
+const SLOW: f64 = 0.06;
+/// s.
+const EVEN: f64 = 0.03;
+/// rad, least bend of a leg in the air.
+const LEAST_BEND: f64 = 10.0 * std::f64::consts::PI / 180.0;
+/// Part of the sole's height over the ground that a straighter knee may take up.
+const DOWN: f64 = 0.8;
+/// Weight of a bend that must not be less, and of a planted one, against a wanted one.
+const HOLD: f64 = 1e4;
+/// Rounds of the one-sided penalty.
+const ROUNDS: usize = 12;
+
+/// Fits the bends of all swings afresh to the poses that the present ones gave. `scale`: times relative to the reference body.
+pub fn even_knees(timeline: &mut Timeline, solved: &[Solved], scale: f64) {
+    for side in Side::BOTH {
+        let legs = (0..solved.len()).map(|index| Leg::of(timeline, side, index, &solved[index]));
+        let bends = fitted(&legs.collect::<Vec<Leg>>(), scale / timeline.dt);
+        timeline.bends[side as usize] = bends;
+    }
+}
+
+/// A leg at one entry. rad.
+#[derive(Clone, Copy, Debug)]
+struct Leg {
+    wanted: f64,
+    least: f64,
+    free: bool,
+}
+
+impl Leg {
+    fn of(timeline: &Timeline, side: Side, index: usize, solved: &Solved) -> Leg {
+        let time = index as f64 * timeline.dt;
+        let leg = &timeline.anatomy.legs[side as usize];
+        let foot = timeline.feet.at(side, time);
+        let hip = solved.hips[side as usize];
+        let ankle = soft_reach(hip, foot.ankle, leg.length(), foot.soft);
+        let length = (ankle - hip).length();
+        let wanted = leg.bend_at(length);
+        let free = timeline.feet.freedom(side, time) > 0.0;
+        if !free {
+            return Leg { wanted, least: wanted, free };
+        }
+        let down = ((hip.y - ankle.y) / length.max(1e-9)).max(0.3);
+        let room = DOWN * lowest(&timeline.body, side, &foot, ankle).max(0.0) / down;
+        Leg { wanted, least: leg.bend_at(length + room).max(LEAST_BEND.min(wanted)), free }
+    }
+}
+
+/// m, height of the lowest point of the sole with its ankle there.
+fn lowest(body: &Body, side: Side, foot: &FootTarget, ankle: DVec3) -> f64 {
+    let shape = &body.feet[side as usize];
+    let rear = shape.rear_sole.iter().map(|vertex| (foot.foot * *vertex).y);
+    let joint = shape.toe.map(|toe| body.joints[toe].rest - body.joints[shape.ankle].rest);
+    let front = shape.front_sole.iter().map(|vertex| match joint {
+        Some(joint) => (foot.foot * joint + foot.toe * (*vertex - joint)).y,
+        None => (foot.foot * *vertex).y,
+    });
+    ankle.y + rear.chain(front).fold(f64::INFINITY, f64::min)
+}
+
+/// The bends: as wanted where the leg is not free. `per`: entries a second, of the body's own time.
+fn fitted(legs: &[Leg], per: f64) -> Vec<f64> {
+    let count = legs.len();
+    let mut held = vec![false; count];
+    let mut bends: Vec<f64> = legs.iter().map(|leg| leg.wanted).collect();
+    if legs.iter().all(|leg| !leg.free) {
+        return bends;
+    }
+    for _ in 0..ROUNDS {
+        let mut system = BandedLeastSquares::new(count, 2);
+        for (index, leg) in legs.iter().enumerate() {
+            if index + 1 < count && legs[index..=index + 1].iter().any(|leg| leg.free) {
+                system.equation(index, &[-1.0, 1.0], 0.0, (SLOW * per).powi(2));
+            }
+            if index + 2 < count && legs[index..=index + 2].iter().any(|leg| leg.free) {
+                system.equation(index, &[1.0, -2.0, 1.0], 0.0, (EVEN * per).powi(4));
+            }
+            let weight = if leg.free { 1.0 } else { 1e4 * HOLD };
+            system.equation(index, &[1.0], leg.wanted, weight);
+            if leg.free && held[index] {
+                system.equation(index, &[1.0], leg.least, HOLD);
+            }
+        }
+        bends = system.solve();
+        let mut changed = false;
+        for (index, leg) in legs.iter().enumerate() {
+            let wanted = leg.free && bends[index] < leg.least;
+            changed |= wanted != held[index] && leg.free;
+            held[index] = wanted;
+        }
+        if !changed {
+            break;
+        }
+    }
+    for (bend, leg) in bends.iter_mut().zip(legs) {
+        *bend = if leg.free { bend.max(0.5 * leg.least) } else { leg.wanted };
+    }
+    bends
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Leg, fitted};
+
+    #[test]
+    fn bends_join_the_planted_leg_clear_the_ground_and_turn_slowly() {
+        // A swing of 0.3 s that snaps from 0.3 to 1.2 rad within 20 ms of lift, and must not go under 0.9 in its middle.
+        let leg = |index: i32| match index {
+            30..60 => Leg { wanted: 1.2, least: if (42..48).contains(&index) { 0.9 } else { 0.2 }, free: true },
+            _ => Leg { wanted: 0.3, least: 0.3, free: false },
+        };
+        let legs: Vec<Leg> = (0..90).map(leg).collect();
+        let bends = fitted(&legs, 100.0);
+        assert!((0..90).filter(|at| !legs[*at].free).all(|at| bends[at] == 0.3), "a planted leg is left alone");
+        assert!(bends[42..48].iter().all(|bend| *bend > 0.89), "over the ground: {:?}", &bends[42..48]);
+        let fastest = bends.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+        assert!(fastest < 0.12, "{fastest} rad in 10 ms, 0.9 wanted");
+    }
+}
