@@ -4,6 +4,7 @@
 //! as an engine would and says what it measured. Scenario space until the keys. No file is touched here.
 
 mod balance;
+pub mod carried;
 pub mod contacts;
 pub mod feet;
 pub mod keys;
@@ -14,6 +15,7 @@ pub mod props;
 mod reach;
 mod report;
 pub mod root_motion;
+pub mod throws;
 pub mod timeline;
 mod track;
 
@@ -50,7 +52,7 @@ pub struct Baked {
     pub performance: Performance,
     /// All that was measured on the clip; the report holds a part.
     pub findings: Option<Findings>,
-    /// What stands and moves beside the body: the ground first.
+    /// What stands and moves beside the body: the ground first, then boxes and balls.
     pub props: Vec<Prop>,
     /// For a person: what is not as asked.
     pub warnings: Vec<String>,
@@ -107,7 +109,9 @@ pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Bak
     let input =
         report::ReportInput { rig, clip: measured, performance: &performance, scenario, seed, root: options.root };
     let (report, findings, warnings) = report::report(&input);
-    let props = props::ground(&performance.timeline);
+    let mut props = props::ground(&performance.timeline);
+    props.extend(carried::props(&performance.timeline));
+    props.extend(throws::props(&performance.timeline, &performance.balls));
     Ok(Baked { clip, report, performance, findings, props, warnings })
 }
 

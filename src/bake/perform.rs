@@ -3,7 +3,9 @@
 //! stepper run -> foot curves and upper-body springs -> poses -> reach envelope and balance filter, a few times over.
 //! Scenario space, SI. What comes out is a [`Timeline`] that gives the pose at any time; keys are made elsewhere.
 
+use super::carried::{self, Carried};
 use super::contacts::{self, FootContact};
+use super::throws::{self, Ball};
 use super::timeline::Timeline;
 use super::{BakeError, balance, feet, knees, reach};
 use crate::maths::seed::Seed;
@@ -36,6 +38,8 @@ pub struct Performance {
     pub contacts: Vec<FootContact>,
     /// The pushes as they act.
     pub pushes: Vec<KnownPush>,
+    /// The balls that were thrown, hits and misses.
+    pub balls: Vec<Ball>,
     /// The stand that the stepper knew.
     pub physique: Physique,
     /// m, the farthest that the ZMP was out of the support before each pass of the filter.
@@ -46,27 +50,64 @@ pub struct Performance {
 pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performance, BakeError> {
     let anatomy = Anatomy::new(body);
     let physique = stand::physique(body, &anatomy);
-    let pushes = known_pushes(body, scenario);
-    let trace = run(body, &anatomy, &physique, scenario, &pushes);
+    let (carried, loads) = carried::carried(body, &anatomy, scenario);
+    let options = SimulateOptions {
+        duration: scenario.duration,
+        style: style(&scenario.character),
+        ..SimulateOptions::default()
+    };
+    let most = ((options.duration + options.extra) / options.dt).ceil() as usize + 2;
+    let physiques = carried::physiques(body, &anatomy, (&carried, &loads), options.dt, most);
+    let script = Script { physiques, ..Script::of(scenario, Vec::new()) };
+    let mut pushes = known_pushes(body, scenario);
+    let mut trace = run(body, &anatomy, &physique, &script, &options, &pushes);
+    let mut balls = Vec::new();
+    for toss in throws::tosses(scenario, seed) {
+        let index = (toss.arrives / trace.dt).round() as usize;
+        let Some(tick) = trace.ticks.get(index) else { break };
+        let measures = script.physiques.get(index).unwrap_or(&physique);
+        let com = DVec3::new(tick.com.x, measures.com_height, tick.com.z);
+        let target = stand::stand_target(body, &tick.feet, com, tick.facing);
+        let hold = carried::hold(&carried, &loads, toss.arrives);
+        let solved = Solver::new(body, &anatomy).solve(&hold.map_or(target, |hold| target.holding(hold)));
+        let ball = toss.meet(&throws::Standing {
+            body,
+            pose: &solved.pose,
+            velocity: tick.velocity,
+            facing: tick.facing,
+            mass: measures.mass,
+        });
+        if let Some(hit) = &ball.hit {
+            pushes.push((hit.push, false));
+            pushes.sort_by(|a, b| a.0.start.total_cmp(&b.0.start));
+            // What was before does not change: the next ball meets a body that this one has pushed.
+            trace = run(body, &anatomy, &physique, &script, &options, &pushes);
+        }
+        balls.push(ball);
+    }
     check(&trace)?;
     let acted = pushes.iter().zip(&trace.pushes);
     let pushes: Vec<KnownPush> = acted.map(|((push, _), acted)| KnownPush { force: acted.force, ..*push }).collect();
     let scale = (physique.com_height / 0.96).sqrt();
     let count = ((scenario.duration / trace.dt).round() as usize + 1).min(trace.ticks.len());
     let ticks = &trace.ticks[..count];
-    let still_until = pushes.first().map_or(0.0, |push| push.start);
+    let taken_up = carried.iter().filter_map(Carried::begins);
+    let still_until = pushes.iter().map(|push| push.start).chain(taken_up).reduce(f64::min).unwrap_or(0.0);
+    let height = |index: usize| script.physiques.get(index).unwrap_or(&physique).com_height;
     let mut timeline = Timeline {
         body: body.clone(),
         anatomy,
         dt: trace.dt,
         still_until,
-        com: ticks.iter().map(|tick| DVec3::new(tick.com.x, physique.com_height, tick.com.z)).collect(),
+        com: ticks.iter().enumerate().map(|(at, tick)| DVec3::new(tick.com.x, height(at), tick.com.z)).collect(),
         shift: vec![DVec3::ZERO; count],
         lowering: vec![0.0; count],
         bends: [Vec::new(), Vec::new()],
         upper: upper_body(ticks, trace.dt, &physique, seed, scenario),
         feet: feet::FootCurves::new(body, &physique, &trace.start, &trace.steps, still_until, scale),
         terrain: Terrain::new(&scenario.ground),
+        carried,
+        loads,
     };
     let frame = Frame::of(&timeline.terrain);
     let cop: Vec<DVec2> = ticks.iter().map(|tick| tick.cop).collect();
@@ -98,7 +139,7 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         lost = Some(timeline.duration());
     }
     let contacts = timeline.feet.contacts(timeline.duration());
-    Ok(Performance { timeline, trace, lost, contacts, pushes, physique, zmp_before_pass })
+    Ok(Performance { timeline, trace, lost, contacts, pushes, balls, physique, zmp_before_pass })
 }
 
 /// The last entry before a planted foot is out of its leg's reach; `None` where all are reached.
@@ -152,7 +193,8 @@ fn run(
     body: &Body,
     anatomy: &Anatomy,
     physique: &Physique,
-    scenario: &Scenario,
+    script: &Script,
+    options: &SimulateOptions,
     pushes: &[(KnownPush, bool)],
 ) -> Trace {
     let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
@@ -168,16 +210,14 @@ fn run(
             turns: *turns,
             arm: match push.at {
                 PushPoint::Joint(joint) => positions[joint].y - physique.com_height,
+                PushPoint::Segment(joint, offset) => {
+                    (positions[joint] + standing.pose.turns[joint] * offset).y - physique.com_height
+                }
                 _ => 0.0,
             },
         })
         .collect();
-    let options = SimulateOptions {
-        duration: scenario.duration,
-        style: style(&scenario.character),
-        ..SimulateOptions::default()
-    };
-    simulate(physique, &Script::of(scenario, pushes), &options)
+    simulate(physique, &Script { pushes, ..script.clone() }, options)
 }
 
 fn check(trace: &Trace) -> Result<(), BakeError> {

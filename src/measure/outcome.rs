@@ -102,7 +102,6 @@ impl Balance {
 /// impulse. `None` without a push of at most a second.
 pub fn speed_ratio(track: &Track, dynamics: &Dynamics, pushes: &[KnownPush]) -> Option<f64> {
     let motion = track.motion;
-    let mass = motion.body.mass;
     let ratio = |push: &KnownPush| {
         let direction = push.force.try_normalize()?;
         let until = push.end + SPEED_SPAN;
@@ -114,6 +113,7 @@ pub fn speed_ratio(track: &Track, dynamics: &Dynamics, pushes: &[KnownPush]) -> 
         if impulse <= 0.0 || samples.is_empty() {
             return None;
         }
+        let mass = track.mass(samples.start);
         let before = dynamics.velocity[samples.start].dot(direction);
         let peak = samples.map(|sample| dynamics.velocity[sample].dot(direction) - before).fold(0.0, f64::max);
         Some(peak * mass / impulse)
