@@ -32,12 +32,15 @@ pub fn pass(timeline: &mut Timeline, poses: &[BodyPose], contacts: &[HeldContact
     let mut wanted = vec![DVec2::ZERO; count];
     let mut outside = vec![false; count];
     let mut worst: f64 = 0.0;
+    // m, of the centre of mass over the ground that carries it.
+    let mut heights: Vec<f64> = dynamics.com.iter().map(|com| com.y).collect();
     for index in 0..count {
         let needed = dynamics.needed[index];
         let Some(support) = support::support(&track, contacts, index) else { continue };
         if needed.force.y < LEAST_WEIGHT * weight {
             continue;
         }
+        heights[index] = dynamics.com[index].y - support.in_space(support.below(dynamics.com[index])).y;
         let zmp = zmp::zmp(&support, needed, dynamics.com[index], weight);
         worst = worst.max(support.outside(zmp));
         let inner = hull::shrink(&support.hull, MARGIN);
@@ -49,7 +52,7 @@ pub fn pass(timeline: &mut Timeline, poses: &[BodyPose], contacts: &[HeldContact
             outside[index] = true;
         }
     }
-    let shift = solve(timeline, &dynamics.com, &dynamics.acceleration, &wanted, &outside);
+    let shift = solve(timeline, &heights, &dynamics.acceleration, &wanted, &outside);
     for (entry, add) in timeline.shift.iter_mut().zip(shift) {
         entry.x += add.x;
         entry.z += add.y;
@@ -58,14 +61,20 @@ pub fn pass(timeline: &mut Timeline, poses: &[BodyPose], contacts: &[HeldContact
 }
 
 /// Δc for the wanted Δp, (x, z) a sample.
-fn solve(timeline: &Timeline, com: &[DVec3], acceleration: &[DVec3], wanted: &[DVec2], outside: &[bool]) -> Vec<DVec2> {
+fn solve(
+    timeline: &Timeline,
+    heights: &[f64],
+    acceleration: &[DVec3],
+    wanted: &[DVec2],
+    outside: &[bool],
+) -> Vec<DVec2> {
     let count = wanted.len();
     let dt2 = timeline.dt * timeline.dt;
     let axis = |pick: fn(&DVec2) -> f64| {
         let mut system = BandedLeastSquares::new(count, 3);
         for index in 1..count - 1 {
             let gravity = (GRAVITY + acceleration[index].y).max(2.0);
-            let a = com[index].y / (gravity * dt2);
+            let a = heights[index] / (gravity * dt2);
             let weight = if outside[index] { 1.0 } else { INSIDE_WEIGHT };
             system.equation(index - 1, &[-a, 1.0 + 2.0 * a, -a], pick(&wanted[index]), weight);
         }

@@ -1,23 +1,21 @@
 //! Feet as exact functions of time: flat, heel off, swing, heel or ball strike, flat. Scenario space, metres, radians.
 //!
-//! A foot in contact turns about a point that does not move (ball: the toe joint; heel: the rearmost sole point), and in
+//! A foot is flat on the plane of its plant. Everything is thought in the ground's frame; what stands on a platform turns
+//! with it at the very end. A foot in contact turns about a point that does not move (ball: the toe joint; heel: the rearmost sole point), and in
 //! the air that same pivot flies from plant to plant: so nothing slides, and position and speed are continuous at lift.
-//! Pitch is positive with the heel up. Where a rig has no toes the foot turns about the tip of its sole. Flat ground.
+//! Pitch is positive with the heel up. Where a rig has no toes the foot turns about the tip of its sole.
 
+use super::clearance::{self, Raise};
 use super::contacts::FootContact;
-use crate::maths::curve::{bump, smooth3, smooth5, trapezoid};
+use super::swing::Swing;
+use crate::maths::curve::{bump, smooth3, trapezoid};
 use crate::maths::quat::wrap_angle;
-use crate::model::{Body, Side, report::Part};
-use crate::stepper::{Physique, Plant, Step, StepKind};
+use crate::model::scenario::GroundKind;
+use crate::model::{Body, Side, Terrain, report::Part};
+use crate::stepper::{Physique, Plant, Step};
 use crate::whole_body::Anatomy;
 use crate::whole_body::solve::{FootTarget, Solved};
 use glam::{DQuat, DVec2, DVec3};
-
-/// rad/s, mean speed at which a heel comes up (a smaller body's too, frames being what they are): faster, and toes and
-/// ankle snap.
-const FASTEST_ROLL: f64 = 1.05;
-/// s, by how much a heel that lands after its ball begins to come down before the ball lands.
-const LEAD: f64 = 0.05;
 
 /// rad, dorsiflexion past which the heel comes up: a little inside of the ankle's range of 30 degrees.
 const DORSIFLEXION: f64 = 26.0 * std::f64::consts::PI / 180.0;
@@ -34,6 +32,7 @@ const MOST_PITCH: f64 = 45.0 * std::f64::consts::PI / 180.0;
 #[derive(Clone, Debug)]
 pub struct FootCurves {
     feet: [FootPath; 2],
+    terrain: Terrain,
 }
 
 /// One foot.
@@ -52,23 +51,6 @@ struct FootPath {
     has_toe: bool,
 }
 
-/// A step with its roll. Times in s.
-#[derive(Clone, Copy, Debug)]
-struct Swing {
-    lift: f64,
-    land: f64,
-    heel_off: f64, // how long before `lift` the heel comes up
-    settle: f64,   // how long after `land` the foot is flat
-    peak_after: f64,
-    peak: f64,    // rad, largest pitch, a little after lift
-    strike: f64,  // rad, pitch at landing: below 0 heel first, over 0 ball first
-    onward: bool, // it goes forwards: the weight is on the ball before it leaves
-    clearance: f64,
-    aside: DVec3, // horizontal detour at mid-swing, m
-    from: Plant,
-    to: Plant,
-}
-
 impl FootCurves {
     /// From the steps that were taken. `still_until`: no heel comes up before (s). `scale`: times relative to the
     /// reference body.
@@ -79,14 +61,49 @@ impl FootCurves {
         steps: &[Step],
         still_until: f64,
         scale: f64,
+        terrain: &Terrain,
     ) -> FootCurves {
         let feet = Side::BOTH.map(|side| FootPath::new(body, physique, side, start, steps, still_until, scale));
-        FootCurves { feet }
+        let mut curves = FootCurves { feet, terrain: terrain.clone() };
+        curves.clear_the_ground();
+        curves
     }
 
     /// Where a foot is.
     pub fn at(&self, side: Side, time: f64) -> FootTarget {
-        self.feet[side as usize].at(time)
+        let target = self.feet[side as usize].at(time, &self.terrain);
+        if !self.terrain.moves() {
+            return target;
+        }
+        let turn = self.terrain.turn(time);
+        let ahead = turn * DVec3::new(target.yaw.sin(), 0.0, target.yaw.cos());
+        FootTarget {
+            ankle: turn * target.ankle,
+            foot: turn * target.foot,
+            toe: turn * target.toe,
+            yaw: ahead.x.atan2(ahead.z),
+            ..target
+        }
+    }
+
+    /// Raises the swings over what lies between their plants.
+    fn clear_the_ground(&mut self) {
+        let FootCurves { feet, terrain } = self;
+        if !matches!(terrain.kind, GroundKind::Stairs { .. } | GroundKind::Uneven { .. }) {
+            return;
+        }
+        for path in feet {
+            for number in 0..path.swings.len() {
+                path.swings[number].raise = Raise::NONE;
+                let swing = path.swings[number];
+                let way = swing.to.ankle - swing.from.ankle;
+                let way = DVec2::new(way.x, way.z).normalize_or_zero();
+                path.swings[number].raise = Raise::over(terrain, way, swing.clearance, &|u, points| {
+                    let time = swing.lift + (swing.land - swing.lift) * u;
+                    path.sole_points(&path.flight(&swing, time, swing.pitch(time), terrain), points);
+                });
+            }
+        }
     }
 
     /// How free a foot is to leave its curve: 0 planted, 1 in mid-swing.
@@ -111,15 +128,18 @@ impl FootCurves {
             let leg = &anatomy.legs[side as usize];
             let shank = body.joints[leg.lower].rest - body.joints[leg.foot].rest;
             let path = &mut self.feet[side as usize];
-            // rad, how far the shank leans forwards over the foot.
-            let lean = |index: usize, yaw: f64| {
-                let up = DQuat::from_rotation_y(-yaw) * (solved[index].pose.turns[leg.lower] * shank);
+            let terrain = &self.terrain;
+            // rad, how far the shank leans forwards over the flat foot.
+            let lean = |index: usize, plant: &Plant| {
+                let foot = terrain.turn(index as f64 * dt) * turned(plant, 0.0);
+                let up = foot.inverse() * (solved[index].pose.turns[leg.lower] * shank);
                 up.z.atan2(up.y)
             };
             // m, how far the pressure is ahead of the middle of a foot's ball: a heel under the weight stays down.
             let ball = body.feet[side as usize].ball;
             let ahead = |index: usize, plant: &Plant| {
-                let from_ankle = cop[index.min(cop.len() - 1)] - DVec2::new(plant.ankle.x, plant.ankle.z);
+                let ankle = terrain.turn(index as f64 * dt) * plant.ankle;
+                let from_ankle = cop[index.min(cop.len() - 1)] - DVec2::new(ankle.x, ankle.z);
                 from_ankle.dot(DVec2::new(plant.yaw.sin(), plant.yaw.cos())) - WEIGHT_AHEAD * ball
             };
             for number in 0..path.swings.len() {
@@ -134,7 +154,7 @@ impl FootCurves {
                 let swing = &mut path.swings[number];
                 for index in ticks(before, swing.lift) {
                     let time = index as f64 * dt;
-                    let forwards = lean(index, swing.from.yaw);
+                    let forwards = lean(index, &swing.from);
                     let pitch = swing.pitch(time);
                     if swing.onward && ahead(index, &swing.from) > 0.0 && forwards - pitch > DORSIFLEXION {
                         swing.heel_off = swing.heel_off.max((swing.lift - time + 0.05).min(swing.lift - before));
@@ -143,14 +163,14 @@ impl FootCurves {
                 }
                 // The leg lands as its shank leans: reaching ahead heel first, under the body flat, behind it ball first.
                 let landing = *ticks(swing.land, swing.land).end();
-                let least = lean(landing, swing.to.yaw) - LANDING_FLEXION;
+                let least = lean(landing, &swing.to) - LANDING_FLEXION;
                 if swing.strike < least {
                     swing.strike = if least.abs() < 2_f64.to_radians() { 0.0 } else { least.min(MOST_PITCH) };
                 }
                 if swing.strike >= 0.0 {
                     for index in ticks(swing.land, (swing.land + 0.6).min(after)) {
                         let time = index as f64 * dt;
-                        let excess = lean(index, swing.to.yaw) - swing.pitch(time) - DORSIFLEXION;
+                        let excess = lean(index, &swing.to) - swing.pitch(time) - DORSIFLEXION;
                         if excess > 0.0 {
                             swing.strike = (swing.strike + 0.5 * excess).min(MOST_PITCH);
                             swing.settle = swing
@@ -161,6 +181,7 @@ impl FootCurves {
                 }
             }
         }
+        self.clear_the_ground();
     }
 
     /// All contacts up to `end`, in order of start, left before right.
@@ -241,12 +262,13 @@ impl FootPath {
     }
 
     fn flat_ankle(&self, plant: &Plant) -> DVec3 {
-        plant.ankle + DVec3::Y * self.ankle_height
+        plant.ankle + plant.normal * self.ankle_height
     }
 
-    fn at(&self, time: f64) -> FootTarget {
+    /// In the ground's frame.
+    fn at(&self, time: f64, terrain: &Terrain) -> FootTarget {
         let flat = |plant: &Plant| {
-            let turn = turned(plant.yaw, 0.0);
+            let turn = turned(plant, 0.0);
             self.pose(self.flat_ankle(plant), plant.yaw, turn, turn)
         };
         let Some(swing) = self.swings.iter().rev().find(|swing| time > swing.lift - swing.heel_off) else {
@@ -257,15 +279,15 @@ impl FootPath {
         }
         let pitch = swing.pitch(time);
         let on = |plant: &Plant, held: DVec3, toes_flat: bool| {
-            let level = turned(plant.yaw, 0.0);
-            let turn = turned(plant.yaw, pitch);
+            let level = turned(plant, 0.0);
+            let turn = turned(plant, pitch);
             let ankle = self.flat_ankle(plant) + level * held - turn * held;
             self.pose(ankle, plant.yaw, turn, if toes_flat { level } else { turn })
         };
         if time <= swing.lift {
             on(&swing.from, self.pivot, true)
         } else if time < swing.land {
-            self.flight(swing, time, pitch)
+            self.flight(swing, time, pitch, terrain)
         } else if swing.strike < 0.0 {
             on(&swing.to, self.heel, false)
         } else {
@@ -273,43 +295,60 @@ impl FootPath {
         }
     }
 
-    fn flight(&self, swing: &Swing, time: f64, pitch: f64) -> FootTarget {
+    fn flight(&self, swing: &Swing, time: f64, pitch: f64, terrain: &Terrain) -> FootTarget {
         let u = (time - swing.lift) / (swing.land - swing.lift);
         let go = trapezoid(u);
         let yaw = swing.from.yaw + wrap_angle(swing.to.yaw - swing.from.yaw) * go;
-        let first = self.flat_ankle(&swing.from) + turned(swing.from.yaw, 0.0) * self.pivot;
-        let level = turned(swing.to.yaw, 0.0);
+        let first = self.flat_ankle(&swing.from) + turned(&swing.from, 0.0) * self.pivot;
+        let level = turned(&swing.to, 0.0);
         let last = self.flat_ankle(&swing.to)
             + if swing.strike < 0.0 {
-                level * self.heel + turned(swing.to.yaw, swing.strike) * (self.pivot - self.heel)
+                level * self.heel + turned(&swing.to, swing.strike) * (self.pivot - self.heel)
             } else {
                 level * self.pivot
             };
         let mut pivot = first + (last - first) * go + swing.aside * bump(u);
         pivot.y += swing.clearance * bump(u + 0.2 * u * (1.0 - u));
+        if let GroundKind::Stairs { .. } = terrain.kind {
+            // Up a stair before it is reached, down again when it is passed.
+            pivot.y += (last.y - first.y) * (clearance::stair(u, last.y > first.y) - go);
+        }
+        pivot.y += swing.raise.at(u);
         // The toes straighten over most of the swing, and are flat again for a strike with the ball.
         let mut straight = smooth3(u / 0.85);
         if swing.strike >= 0.0 {
             // A foot that lands with its heel as high as it left hardly straightens them.
             straight *= (1.0 - smooth3((u - 0.4) / 0.6)) * (1.0 - swing.strike / swing.peak.max(swing.strike + 1e-9));
         }
-        let turn = turned(yaw, pitch);
-        let toe = if self.has_toe { turned(yaw, pitch * straight) } else { turn };
+        let normal = swing.from.normal.lerp(swing.to.normal, go).normalize_or(DVec3::Y);
+        let between = Plant { ankle: pivot, yaw, normal };
+        let turn = turned(&between, pitch);
+        let toe = if self.has_toe { turned(&between, pitch * straight) } else { turn };
         let ankle = pivot - turn * self.pivot;
         let mut target = self.pose(ankle, yaw, turn, toe);
-        // No part of the sole goes under the ground on the way.
-        let lowest = self
-            .soles
-            .iter()
-            .map(
-                |(vertex, with_toe)| {
-                    if *with_toe { pivot.y + (toe * (*vertex - self.pivot)).y } else { ankle.y + (turn * *vertex).y }
-                },
-            )
-            .fold(f64::INFINITY, f64::min);
-        target.ankle.y += (-lowest).max(0.0);
+        // No part of the sole goes under the ground on the way; edges and bumps are cleared by the raise.
+        if !matches!(terrain.kind, GroundKind::Stairs { .. } | GroundKind::Uneven { .. }) {
+            let mut points = Vec::with_capacity(self.soles.len());
+            self.sole_points(&target, &mut points);
+            let over = |point: &DVec3| point.y - terrain.spot(DVec2::new(point.x, point.z)).height;
+            let lowest = points.iter().map(over).fold(f64::INFINITY, f64::min);
+            target.ankle.y += (-lowest).max(0.0);
+        }
         target.soft = bump(u).sqrt();
         target
+    }
+
+    /// m, the sole's vertices of a target.
+    fn sole_points(&self, target: &FootTarget, points: &mut Vec<DVec3>) {
+        let rest = DQuat::from_rotation_y(self.rest_yaw);
+        let foot = target.foot * self.level.inverse() * rest;
+        let toe = target.toe * self.toe_level.inverse() * rest;
+        let pivot = target.ankle + foot * self.pivot;
+        points.clear();
+        points.extend(self.soles.iter().map(|(vertex, with_toe)| match with_toe {
+            true => pivot + toe * (*vertex - self.pivot),
+            false => target.ankle + foot * *vertex,
+        }));
     }
 
     fn contacts(&self, side: Side, end: f64, contacts: &mut Vec<FootContact>) {
@@ -333,108 +372,14 @@ impl FootPath {
     }
 }
 
-impl Swing {
-    /// Chooses the roll of a step: `room` bounds the time of the heel's rise, `after` is the foot's next lift, `other` the stance foot.
-    fn new(step: &Step, room: f64, after: f64, other: &Plant, physique: &Physique, scale: f64) -> Swing {
-        let travel = step.to.ankle - step.from.ankle;
-        let yaw = 0.5 * (step.from.yaw + step.to.yaw);
-        let leg = physique.leg_length;
-        let forward = (travel.x * yaw.sin() + travel.z * yaw.cos()) / leg;
-        let distance = travel.length() / leg;
-        let calm = step.kind == StepKind::Comfort;
-        let duration = step.land - step.lift;
-        // Forwards the foot rolls off its toes; sideways and back it is picked up.
-        let peak =
-            if calm { 14.0 } else { 12.0 + 40.0 * forward.clamp(0.0, 0.8) + 8.0 * (distance - forward.abs()).max(0.0) };
-        // A foot that is to go back has the weight on its heel: it is picked up flat.
-        let backward = (-forward / 0.15).clamp(0.0, 1.0);
-        let peak = peak + (9.0 - peak) * backward;
-        let heel_off = (1.0 - 0.35 * backward)
-            * ((if calm { 0.15 } else { 0.13 + 0.05 * forward.clamp(0.0, 1.0) }) * scale).min(room);
-        let peak_after = (0.085 * scale).min(0.3 * duration);
-        let strike = if forward > 0.12 {
-            -(30.0 * (forward - 0.05)).min(18.0)
-        } else if forward < -0.10 {
-            (40.0 * (-forward - 0.05)).min(12.0)
-        } else {
-            0.0
-        };
-        // Flat again two or three frames after landing; from the ball a little later.
-        let settle = ((if strike > 0.0 { 0.15 } else { 0.085 }) * scale).min(0.35 * (after - step.land).max(0.0));
-        Swing {
-            lift: step.lift,
-            land: step.land,
-            heel_off,
-            settle,
-            peak_after,
-            onward: forward > 0.1,
-            peak: peak.to_radians().min(FASTEST_ROLL / scale.max(1.0) * (heel_off + peak_after)),
-            strike: strike.to_radians(),
-            clearance: leg * (0.045 + 0.05 * distance.min(1.0)),
-            aside: detour(step, other, physique),
-            from: step.from,
-            to: step.to,
-        }
-    }
-
-    /// Pitch that the heel's rise alone gives.
-    fn rise(&self, time: f64) -> f64 {
-        self.peak * smooth5((time - self.lift + self.heel_off) / (self.heel_off + self.peak_after))
-    }
-
-    /// Pitch at a time between heel off and flat.
-    fn pitch(&self, time: f64) -> f64 {
-        let (start, top) = (self.lift - self.heel_off, self.lift + self.peak_after);
-        if time <= start {
-            0.0
-        } else if time <= top && (self.strike <= self.peak || time <= self.lift) {
-            self.rise(time)
-        } else {
-            let turn = self.land - if self.strike > 0.0 { LEAD.min(0.25 * (self.land - top)) } else { 0.0 };
-            if time <= turn {
-                let more = self.strike - self.peak;
-                if more > 0.0 {
-                    // A heel that lands higher than it left rises all the way.
-                    self.rise(time) + more * smooth3((time - self.lift) / (turn - self.lift))
-                } else {
-                    self.peak + more * smooth5((time - top) / (turn - top))
-                }
-            } else {
-                self.strike * (1.0 - smooth3((time - turn) / (self.land - turn + self.settle).max(1e-9)))
-            }
-        }
-    }
+/// The levelled foot that points along +Z, set on the plane of a plant and pitched, rad.
+fn turned(plant: &Plant, pitch: f64) -> DQuat {
+    tilt(plant.normal) * DQuat::from_rotation_y(plant.yaw) * DQuat::from_rotation_x(pitch)
 }
 
-/// A levelled foot that points along +Z, turned to a heading and pitched, rad.
-fn turned(yaw: f64, pitch: f64) -> DQuat {
-    DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch)
-}
-
-/// How far the path bends away from a stance foot that stands near it: at least 0.14 leg lengths of gap, m.
-fn detour(step: &Step, other: &Plant, physique: &Physique) -> DVec3 {
-    let (from, to) = (step.from.ankle, step.to.ankle);
-    let path = DVec3::new(to.x - from.x, 0.0, to.z - from.z);
-    let length = path.length();
-    if length < 1e-6 {
-        return DVec3::ZERO;
-    }
-    let along = path / length;
-    let across = DVec3::new(along.z, 0.0, -along.x);
-    let rel = other.ankle - from;
-    let u = rel.dot(along) / length;
-    if !(0.1..=0.9).contains(&u) {
-        return DVec3::ZERO;
-    }
-    let gap = -rel.dot(across); // where the path lies from the stance foot, along `across`
-    // A foot that passes ahead of the other (or behind it) must clear its length, not its width alone.
-    let lengthwise = across.dot(DVec3::new(other.yaw.sin(), 0.0, other.yaw.cos())).abs();
-    let least = (0.15 * physique.leg_length).max(0.14 * physique.leg_length + physique.tip * lengthwise);
-    // Keep to the side of the stance foot where the swing foot belongs.
-    let own = step.side.sign() * across.dot(DVec3::new(other.yaw.cos(), 0.0, -other.yaw.sin())).signum();
-    let sign = if gap.abs() > 0.02 * physique.leg_length { gap.signum() } else { own };
-    let missing = least - gap * sign;
-    if missing > 0.0 { across * (sign * missing / bump(u).max(0.3)) } else { DVec3::ZERO }
+/// From level to a plane with that normal.
+fn tilt(normal: DVec3) -> DQuat {
+    if normal == DVec3::Y { DQuat::IDENTITY } else { DQuat::from_rotation_arc(DVec3::Y, normal) }
 }
 
 /// Where a foot stands (or will land) at a time.

@@ -11,6 +11,7 @@ use super::track::{Track, UPPER_TOLERANCE, stored_rotation, stored_translation};
 use crate::model::{BodyPose, Channel, Clip, Interpolation, KeyValues, Side, Target};
 use crate::rig::animate::{Poser, RootCarrier, RootMove};
 use crate::rig::{Rig, Trs};
+use glam::DQuat;
 use std::collections::BTreeMap;
 
 /// m: a frame is put in where a planted foot is off by more between frames.
@@ -57,6 +58,11 @@ struct Frames<'a> {
 
 /// Keys a clip. The result reads back with planted feet still to 0.5 mm wherever the poses hold them.
 pub fn keyed_clip(input: &KeyInput) -> Clip {
+    keyed_clip_on(input, &|_| DQuat::IDENTITY)
+}
+
+/// The same where what the feet hold on to turns about the origin: `turn` says how at a time (s).
+pub fn keyed_clip_on(input: &KeyInput, turn: &dyn Fn(f64) -> DQuat) -> Clip {
     let duration = f64::from(input.duration.max(0.0) as f32);
     let mut frames = Frames::new(*input, duration);
     let legs = Side::BOTH.map(|side| {
@@ -88,9 +94,9 @@ pub fn keyed_clip(input: &KeyInput) -> Clip {
         .map(|contact| (contact, snapped(&edges, contact.start, duration), snapped(&edges, contact.end, duration)))
         .filter(|(_, start, end)| end > start)
         .collect();
-    frames.bisect(&contacts, &legs);
+    frames.bisect(&contacts, &legs, turn);
     frames.reduce(&edges, &contacts);
-    frames.put_back(&contacts, &legs);
+    frames.put_back(&contacts, &legs, turn);
     frames.into_clip(duration, &contacts)
 }
 
@@ -208,16 +214,17 @@ impl<'a> Frames<'a> {
     }
 
     /// Splits intervals in which a planted foot would slip, as long as that helps.
-    fn bisect(&mut self, contacts: &[(&FootContact, f32, f32)], legs: &[LegChain; 2]) {
+    fn bisect(&mut self, contacts: &[(&FootContact, f32, f32)], legs: &[LegChain; 2], turn: &dyn Fn(f64) -> DQuat) {
         for (contact, start, end) in contacts {
             let leg = &legs[contact.side as usize];
             let mut from = self.frame_at(*start);
             let held = leg.held(contact.part, &|track| self.tracks[track].values[from]);
+            let held = held.seen_from(turn(f64::from(self.times[from])));
             while from + 1 < self.times.len() && self.times[from] < *end {
                 let (earlier, later) = (f64::from(self.times[from]), f64::from(self.times[from + 1]));
                 let off = [0.25, 0.5, 0.75].map(|share| {
                     let now = leg.held(contact.part, &|track| self.tracks[track].between(from, from + 1, share));
-                    held.distance(&now)
+                    held.distance(&now.seen_from(turn(earlier + (later - earlier) * share)))
                 });
                 if off.iter().all(|off| *off <= BISECT) || later - earlier < 2.0 * SHORTEST {
                     from += 1;
@@ -225,7 +232,8 @@ impl<'a> Frames<'a> {
                 }
                 let middle = ((earlier + later) / 2.0) as f32;
                 self.insert(from + 1, middle);
-                let exact = held.distance(&leg.held(contact.part, &|track| self.tracks[track].values[from + 1]));
+                let exact = leg.held(contact.part, &|track| self.tracks[track].values[from + 1]);
+                let exact = held.distance(&exact.seen_from(turn(f64::from(middle))));
                 if exact > 0.8 * off[1].max(BISECT) {
                     self.remove(from + 1); // the pose itself is off: a key would not mend it
                     from += 1;
@@ -273,19 +281,21 @@ impl<'a> Frames<'a> {
     }
 
     /// Puts keys back until the planted feet are still.
-    fn put_back(&mut self, contacts: &[(&FootContact, f32, f32)], legs: &[LegChain; 2]) {
+    fn put_back(&mut self, contacts: &[(&FootContact, f32, f32)], legs: &[LegChain; 2], turn: &dyn Fn(f64) -> DQuat) {
         for _ in 0..32 {
             let mut missing: Vec<(usize, usize)> = Vec::new(); // frame, side
             for (contact, start, end) in contacts {
                 let leg = &legs[contact.side as usize];
                 let first = self.frame_at(*start);
                 let held = leg.held(contact.part, &|track| self.tracks[track].values[first]);
+                let held = held.seen_from(turn(f64::from(self.times[first])));
                 let mut worst = (SLIP, None); // of a run of intervals that slip
                 for frame in first..self.frame_at(*end) {
+                    let [from, to] = [frame, frame + 1].map(|frame| f64::from(self.times[frame]));
                     let off = [0.0, 0.25, 0.5, 0.75, 1.0].into_iter().map(|share| {
-                        held.distance(
-                            &leg.held(contact.part, &|track| self.tracks[track].reduced(&self.times, frame, share)),
-                        )
+                        let now =
+                            leg.held(contact.part, &|track| self.tracks[track].reduced(&self.times, frame, share));
+                        held.distance(&now.seen_from(turn(from + (to - from) * share)))
                     });
                     let off = off.fold(0.0, f64::max);
                     if off > worst.0 {

@@ -7,6 +7,7 @@
 
 use super::timeline::Timeline;
 use crate::maths::banded::BandedLeastSquares;
+use crate::measure::ground::height_below;
 use crate::model::{Body, Side};
 use crate::whole_body::FootTarget;
 use crate::whole_body::solve::{Solved, soft_reach};
@@ -56,21 +57,23 @@ impl Leg {
             return Leg { wanted, least: wanted, free };
         }
         let down = ((hip.y - ankle.y) / length.max(1e-9)).max(0.3);
-        let room = DOWN * lowest(&timeline.body, side, &foot, ankle).max(0.0) / down;
+        let ground = |point: DVec3| height_below(&timeline.terrain, time, point);
+        let room = DOWN * lowest(&timeline.body, side, &foot, ankle, &ground).max(0.0) / down;
         Leg { wanted, least: leg.bend_at(length + room).max(LEAST_BEND.min(wanted)), free }
     }
 }
 
-/// m, height of the lowest point of the sole with its ankle there.
-fn lowest(body: &Body, side: Side, foot: &FootTarget, ankle: DVec3) -> f64 {
+/// m, least height over the ground of the sole with its ankle there.
+fn lowest(body: &Body, side: Side, foot: &FootTarget, ankle: DVec3, ground: &dyn Fn(DVec3) -> f64) -> f64 {
     let shape = &body.feet[side as usize];
-    let rear = shape.rear_sole.iter().map(|vertex| (foot.foot * *vertex).y);
+    let rear = shape.rear_sole.iter().map(|vertex| foot.foot * *vertex);
     let joint = shape.toe.map(|toe| body.joints[toe].rest - body.joints[shape.ankle].rest);
     let front = shape.front_sole.iter().map(|vertex| match joint {
-        Some(joint) => (foot.foot * joint + foot.toe * (*vertex - joint)).y,
-        None => (foot.foot * *vertex).y,
+        Some(joint) => foot.foot * joint + foot.toe * (*vertex - joint),
+        None => foot.foot * *vertex,
     });
-    ankle.y + rear.chain(front).fold(f64::INFINITY, f64::min)
+    let over = rear.chain(front).map(|offset| (ankle + offset).y - ground(ankle + offset));
+    over.fold(f64::INFINITY, f64::min)
 }
 
 /// The bends: as wanted where the leg is not free. `per`: entries a second, of the body's own time.

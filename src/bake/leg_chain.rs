@@ -31,6 +31,12 @@ struct Link {
 pub(super) struct Held([DVec3; 2]);
 
 impl Held {
+    /// The same points in a frame that is turned about the origin.
+    pub(super) fn seen_from(self, frame: DQuat) -> Held {
+        let back = frame.inverse();
+        Held(self.0.map(|point| back * point))
+    }
+
     /// m, how far the farthest of the points has moved.
     pub(super) fn distance(&self, other: &Held) -> f64 {
         self.0[0].distance(other.0[0]).max(self.0[1].distance(other.0[1]))

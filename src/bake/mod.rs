@@ -5,8 +5,10 @@
 
 mod balance;
 pub mod carried;
+mod clearance;
 pub mod contacts;
 pub mod feet;
+pub mod footing;
 pub mod keys;
 mod knees;
 mod leg_chain;
@@ -15,6 +17,7 @@ pub mod props;
 mod reach;
 mod report;
 pub mod root_motion;
+mod swing;
 pub mod throws;
 pub mod timeline;
 mod track;
@@ -92,7 +95,7 @@ pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Bak
     let name = options.name.clone().unwrap_or_else(|| safe_name(&scenario.title));
     let timeline = &performance.timeline;
     let keyed = |root_motion: RootMotion| {
-        keys::keyed_clip(&keys::KeyInput {
+        let input = keys::KeyInput {
             rig,
             name: &name,
             fps: options.fps,
@@ -100,7 +103,8 @@ pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Bak
             pose: &|time| timeline.pose_at(time),
             contacts: &performance.contacts,
             root_motion,
-        })
+        };
+        keys::keyed_clip_on(&input, &|time| timeline.terrain.turn(time))
     };
     let clip = keyed(options.root);
     // Feet of a clip without its travel slide by design: what can be measured is the same motion keyed with it.

@@ -7,13 +7,14 @@ use super::carried::{self, Carried};
 use super::contacts::{self, FootContact};
 use super::throws::{self, Ball};
 use super::timeline::Timeline;
-use super::{BakeError, balance, feet, knees, reach};
+use super::{BakeError, balance, feet, footing, knees, reach};
+use crate::maths::curve::smooth3;
 use crate::maths::seed::Seed;
 use crate::measure::{Frame, KnownPush, PushPoint};
-use crate::model::scenario::{Character, Direction, Scenario};
+use crate::model::scenario::{Character, Direction, GroundKind, Scenario};
 use crate::model::{Body, Role, Side, Terrain};
 use crate::sim::{Script, SessionPush, SimulateOptions, TickState, Trace, simulate};
-use crate::stepper::{Physique, Style};
+use crate::stepper::{Phase, Physique, Style};
 use crate::whole_body::reaction::{Personality, Reaction, Senses, UpperAngles};
 use crate::whole_body::solve::Solved;
 use crate::whole_body::{Anatomy, Solver, stand};
@@ -66,7 +67,8 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         let index = (toss.arrives / trace.dt).round() as usize;
         let Some(tick) = trace.ticks.get(index) else { break };
         let measures = script.physiques.get(index).unwrap_or(&physique);
-        let com = DVec3::new(tick.com.x, measures.com_height, tick.com.z);
+        let ground = tick.feet[0].ankle.y.min(tick.feet[1].ankle.y);
+        let com = DVec3::new(tick.com.x, ground + measures.com_height, tick.com.z);
         let target = stand::stand_target(body, &tick.feet, com, tick.facing);
         let hold = carried::hold(&carried, &loads, toss.arrives);
         let solved = Solver::new(body, &anatomy).solve(&hold.map_or(target, |hold| target.holding(hold)));
@@ -91,21 +93,26 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
     let scale = (physique.com_height / 0.96).sqrt();
     let count = ((scenario.duration / trace.dt).round() as usize + 1).min(trace.ticks.len());
     let ticks = &trace.ticks[..count];
-    let taken_up = carried.iter().filter_map(Carried::begins);
-    let still_until = pushes.iter().map(|push| push.start).chain(taken_up).reduce(f64::min).unwrap_or(0.0);
-    let height = |index: usize| script.physiques.get(index).unwrap_or(&physique).com_height;
+    let terrain = Terrain::new(&scenario.ground);
+    let taken_up = carried.iter().filter_map(Carried::begins).fold(f64::INFINITY, f64::min);
+    let still_until = still_until(scenario, &pushes, taken_up);
+    let (start, steps) = footing::grounded(body, &terrain, &trace.start, &trace.steps);
+    let bases = footing::bases(body, &terrain, &start, &steps, trace.dt, count);
+    let height = |index: usize| script.physiques.get(index).unwrap_or(&physique).com_height + bases[index];
+    let path = ticks.iter().enumerate().map(|(index, tick)| DVec3::new(tick.com.x, height(index), tick.com.z));
     let mut timeline = Timeline {
         body: body.clone(),
         anatomy,
         dt: trace.dt,
         still_until,
-        com: ticks.iter().enumerate().map(|(at, tick)| DVec3::new(tick.com.x, height(at), tick.com.z)).collect(),
+        com: path.collect(),
         shift: vec![DVec3::ZERO; count],
         lowering: vec![0.0; count],
+        walking: walking(ticks, trace.dt, scale),
         bends: [Vec::new(), Vec::new()],
         upper: upper_body(ticks, trace.dt, &physique, seed, scenario),
-        feet: feet::FootCurves::new(body, &physique, &trace.start, &trace.steps, still_until, scale),
-        terrain: Terrain::new(&scenario.ground),
+        feet: feet::FootCurves::new(body, &physique, &start, &steps, still_until, scale, &terrain),
+        terrain,
         carried,
         loads,
     };
@@ -140,6 +147,26 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
     }
     let contacts = timeline.feet.contacts(timeline.duration());
     Ok(Performance { timeline, trace, lost, contacts, pushes, balls, physique, zmp_before_pass })
+}
+
+/// s, when the first thing happens: a push, the ground's turn, hands that go for a box, or what the character means to do.
+/// At rest before.
+fn still_until(scenario: &Scenario, pushes: &[KnownPush], taken_up: f64) -> f64 {
+    let meant = (scenario.walk.iter().map(|walk| walk.start))
+        .chain(scenario.turn.iter().map(|turn| turn.start))
+        .chain(scenario.crouch.iter().map(|crouch| crouch.start))
+        .chain(scenario.stand.iter().map(|stand| stand.start));
+    let turning = match &scenario.ground.kind {
+        // The first point of either says from when on it turns: before, it holds.
+        GroundKind::Platform { pitch, roll } => [pitch, roll]
+            .into_iter()
+            .flat_map(|points| points.windows(2).find(|pair| pair[0][1] != pair[1][1]))
+            .map(|pair| pair[0][0])
+            .fold(f64::INFINITY, f64::min),
+        _ => f64::INFINITY,
+    };
+    let first = meant.chain(pushes.iter().map(|push| push.start)).fold(turning.min(taken_up), f64::min);
+    if first.is_finite() { first.max(0.0) } else { 0.0 }
 }
 
 /// The last entry before a planted foot is out of its leg's reach; `None` where all are reached.
@@ -220,6 +247,19 @@ fn run(
     simulate(physique, &Script { pushes, ..script.clone() }, options)
 }
 
+/// How much each tick is a walk, 0..1: the gait is in charge, with a soft edge.
+fn walking(ticks: &[TickState], dt: f64, scale: f64) -> Vec<f64> {
+    let edge = (0.3 * scale / dt).round().max(1.0);
+    let mut share: Vec<f64> = ticks.iter().map(|tick| f64::from(u8::from(tick.gait != Phase::Rest))).collect();
+    for index in 1..share.len() {
+        share[index] = share[index].min(share[index - 1] + 1.0 / edge);
+    }
+    for index in (1..share.len()).rev() {
+        share[index - 1] = share[index - 1].min(share[index] + 1.0 / edge);
+    }
+    share.into_iter().map(smooth3).collect()
+}
+
 fn check(trace: &Trace) -> Result<(), BakeError> {
     for (index, tick) in trace.ticks.iter().enumerate() {
         let time = index as f64 * trace.dt;
@@ -246,19 +286,18 @@ fn upper_body(ticks: &[TickState], dt: f64, physique: &Physique, seed: u64, scen
     };
     let unhurried = style(&scenario.character).unhurried();
     let mut reaction = Reaction::new(physique, personality, scenario.character.style.arms).unhurried(unhurried);
-    let script = Script::of(scenario, Vec::new());
-    let senses = |tick: &TickState, time: f64| Senses {
+    let senses = |tick: &TickState| Senses {
         acceleration: tick.acceleration,
         push: tick.push,
         push_moment: tick.push_moment,
         xi: tick.xi,
         velocity: DVec2::new(tick.velocity.x, tick.velocity.z),
-        wanted: script.intent(time).walk.unwrap_or(DVec2::ZERO),
+        wanted: tick.walk,
         feet: tick.feet,
         planted: tick.planted,
         facing: tick.facing,
     };
-    ticks.iter().enumerate().map(|(index, tick)| reaction.tick(&senses(tick, index as f64 * dt), dt)).collect()
+    ticks.iter().map(|tick| reaction.tick(&senses(tick), dt)).collect()
 }
 
 /// The stepper's dials from the scenario's.

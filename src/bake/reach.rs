@@ -15,6 +15,10 @@ use glam::DVec3;
 const PLANTED_REACH: f64 = 0.994;
 /// Part of the leg that a landing leaves bent, and for how long (s): people land on bent knees, and a straight one pops.
 const LANDING_BEND: f64 = 0.02;
+/// The same of a walker, who lands on a leg that is almost straight.
+const WALKING_BEND: f64 = 0.008;
+/// Part of the leg by which a walker may rise over the standing height: the swinging leg's mass is up.
+const RISES: f64 = 0.04;
 /// s.
 const LANDING: f64 = 0.2;
 /// s, time in which a sinking that nothing holds comes up again (for a centre of mass at 0.96 m).
@@ -30,7 +34,7 @@ const ROUNDS: usize = 24;
 pub fn lower_into_reach(timeline: &mut Timeline, solved: &[Solved], scale: f64) {
     let need: Vec<f64> = solved.iter().enumerate().map(|(index, pose)| need_at(timeline, index, pose)).collect();
     let first = (timeline.still_until / timeline.dt).round() as usize;
-    timeline.lowering = if need.iter().all(|need| *need <= 0.0) {
+    timeline.lowering = if need.iter().all(|need| *need == 0.0) {
         vec![0.0; need.len()]
     } else {
         gentlest(&need, first, timeline.dt, RISE * scale)
@@ -40,7 +44,8 @@ pub fn lower_into_reach(timeline: &mut Timeline, solved: &[Solved], scale: f64) 
 /// m, lowering that the planted feet ask for at one entry, counted from no lowering at all.
 fn need_at(timeline: &Timeline, index: usize, pose: &Solved) -> f64 {
     let time = index as f64 * timeline.dt;
-    let mut need: f64 = 0.0;
+    let walking = timeline.walking[index];
+    let mut need: f64 = -RISES * walking * timeline.anatomy.legs[0].length();
     for side in Side::BOTH {
         let freedom = timeline.feet.freedom(side, time);
         if freedom > 0.5 {
@@ -48,7 +53,8 @@ fn need_at(timeline: &Timeline, index: usize, pose: &Solved) -> f64 {
         }
         let leg = timeline.anatomy.legs[side as usize].length();
         let landed = 1.0 - smooth3(timeline.feet.since_landing(side, time) / LANDING);
-        let reach = leg * (PLANTED_REACH - LANDING_BEND * landed + 0.05 * freedom);
+        let bend = LANDING_BEND + (WALKING_BEND - LANDING_BEND) * walking;
+        let reach = leg * (PLANTED_REACH - bend * landed + 0.05 * freedom);
         let hip = pose.hips[side as usize];
         let ankle = timeline.feet.at(side, time).ankle;
         let flat = (hip - ankle) * DVec3::new(1.0, 0.0, 1.0);
@@ -59,11 +65,16 @@ fn need_at(timeline: &Timeline, index: usize, pose: &Solved) -> f64 {
     need
 }
 
-/// The lowering of least acceleration over `need` (m a sample), zero up to sample `first`, rising again within `rise` s.
+/// The lowering of least acceleration over `need` (m a sample), constant up to sample `first` (zero on level feet), rising again within `rise` s.
 fn gentlest(need: &[f64], first: usize, dt: f64, rise: f64) -> Vec<f64> {
     let count = need.len();
+    // On uneven feet the stand itself is lower.
+    let still = need[..=first.min(count - 1)].iter().copied().fold(f64::MIN, f64::max);
+    let still = if still > 0.0 { still + OVER } else { 0.0 };
+    let wanted_at = |index: usize| need[index] + OVER * f64::from(need[index] > 0.0);
     let mut held: Vec<bool> = need.iter().map(|need| *need > 0.0).collect();
     let mut lowering = vec![0.0; count];
+    let floor = need.iter().copied().fold(0.0, f64::min);
     let bend = 1.0 / (dt * dt);
     let back = (1.0 / (rise * rise)).powi(2);
     for _ in 0..ROUNDS {
@@ -72,17 +83,19 @@ fn gentlest(need: &[f64], first: usize, dt: f64, rise: f64) -> Vec<f64> {
             if index + 2 < count {
                 system.equation(index, &[bend, -2.0 * bend, bend], 0.0, 1.0);
             }
-            system.equation(index, &[1.0], 0.0, back);
+            system.equation(index, &[1.0], need[index].min(0.0), back);
             if index <= first {
-                system.equation(index, &[1.0], 0.0, 10.0 * HOLD);
+                system.equation(index, &[1.0], still, 10.0 * HOLD);
             } else if held[index] {
-                system.equation(index, &[1.0], need[index] + OVER, HOLD);
+                system.equation(index, &[1.0], wanted_at(index), HOLD);
             }
         }
         lowering = system.solve();
         let mut changed = false;
         for index in 0..count {
-            let wanted = need[index] > 0.0 && lowering[index] < need[index] + OVER;
+            let wanted = index > first
+                && lowering[index] < wanted_at(index)
+                && (need[index] > 0.0 || need[index] > floor + 1e-9);
             changed |= wanted != held[index];
             held[index] = wanted;
         }
@@ -90,7 +103,7 @@ fn gentlest(need: &[f64], first: usize, dt: f64, rise: f64) -> Vec<f64> {
             break;
         }
     }
-    lowering.iter_mut().for_each(|value| *value = value.max(0.0));
+    lowering.iter_mut().zip(need).for_each(|(value, need)| *value = value.max(need.min(0.0)));
     lowering
 }
 

@@ -27,8 +27,10 @@ pub struct Timeline {
     pub com: Vec<DVec3>,
     /// m, what the balance filter adds to it.
     pub shift: Vec<DVec3>,
-    /// m, by how much the reach envelope lowers it.
+    /// m, by how much the reach envelope lowers it; under 0 where a walker rises over a straight leg.
     pub lowering: Vec<f64>,
+    /// 0 standing to 1 walking.
+    pub walking: Vec<f64>,
     /// rad, bends of the knees, left and right; a leg in the air takes them, a planted one bends as it must. Empty: none does.
     pub bends: [Vec<f64>; 2],
     /// Upper body and pelvis.
@@ -54,6 +56,7 @@ impl Timeline {
         self.com.truncate(last + 1);
         self.shift.truncate(last + 1);
         self.lowering.truncate(last + 1);
+        self.walking.truncate(last + 1);
         self.bends.iter_mut().for_each(|bends| bends.truncate(last + 1));
         self.upper.truncate(last + 1);
     }

@@ -17,7 +17,7 @@ pub struct Gait {
     pub strides: usize,
     /// m/s.
     pub speed: f64,
-    /// m, along the way, from the other foot's ankle at touchdown.
+    /// m, along the way, from where the other foot touched down before.
     pub step_length: f64,
     /// Steps a minute.
     pub cadence: f64,
@@ -189,7 +189,9 @@ fn stride(
     let along = way.try_normalize()?;
     let feet = body.feet.each_ref();
     let ankle = |sample: usize, side: Side| track.positions(sample)[feet[side as usize].ankle];
-    let apart = flat(ankle(first, side) - ankle(first, side.other()));
+    let before = events[side.other() as usize].iter().rev().find(|(down, _)| *down < start - 1e-6)?.0;
+    let before = track.motion.samples_in(before, end).start;
+    let apart = flat(ankle(first, side) - ankle(before, side.other()));
     let both: f64 = events[side.other() as usize]
         .iter()
         .map(|(from, to)| (to.min(lift) - from.max(start)).max(0.0) + (to.min(end) - from.max(end)).max(0.0))

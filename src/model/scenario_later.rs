@@ -25,8 +25,6 @@ impl Scenario {
             not_yet("base".to_owned(), "a base clip is");
         }
         let lanes = [
-            ("walk", self.walk.len()),
-            ("turn", self.turn.len()),
             ("crouch", self.crouch.len()),
             ("stand", self.stand.len()),
         ];

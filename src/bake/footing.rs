@@ -1,0 +1,159 @@
+//! Plants as a sole can stand on them, and how high the ground carries the body. Ground frame, metres.
+//!
+//! A sole is stiff: on rolling ground it stands on the plane that lies best under it, on stairs on one tread, out of the
+//! riser before or behind it.
+
+use crate::maths::curve::smooth3;
+use crate::model::scenario::GroundKind;
+use crate::model::{Body, FootShape, Side, Terrain};
+use crate::stepper::{Plant, Step};
+use glam::{DMat3, DVec2, DVec3};
+
+/// s, standard deviation of the smoothing of the ground's height under the body.
+const SMOOTHING: f64 = 0.08;
+/// m, that a sole keeps from a riser.
+const RISER_GAP: f64 = 0.01;
+
+/// The plants of a run on the ground.
+pub fn grounded(body: &Body, terrain: &Terrain, start: &[Plant; 2], steps: &[Step]) -> ([Plant; 2], Vec<Step>) {
+    let on = |side: Side, plant: &Plant| plant_on(&body.feet[side as usize], terrain, plant);
+    let steps = steps.iter().map(|step| Step { from: on(step.side, &step.from), to: on(step.side, &step.to), ..*step });
+    (Side::BOTH.map(|side| on(side, &start[side as usize])), steps.collect())
+}
+
+fn plant_on(foot: &FootShape, terrain: &Terrain, plant: &Plant) -> Plant {
+    let at = DVec2::new(plant.ankle.x, plant.ankle.z);
+    let here =
+        |at: DVec2, height: f64, normal: DVec3| Plant { ankle: DVec3::new(at.x, height, at.y), normal, ..*plant };
+    match terrain.kind {
+        GroundKind::Flat => *plant,
+        GroundKind::Slope { .. } | GroundKind::Gaps { .. } | GroundKind::Platform { .. } => {
+            let spot = terrain.spot(at);
+            here(at, spot.height, spot.normal)
+        }
+        GroundKind::Stairs { .. } => {
+            let mut heights: Vec<f64> = sole(foot, plant).map(|offset| terrain.spot(at + offset).height).collect();
+            heights.sort_by(f64::total_cmp);
+            let tread = heights[heights.len() / 2];
+            // Out of the riser that it would stick in: back from one ahead, on from one behind.
+            let stuck = |shift: f64| {
+                sole(foot, plant).any(|offset| terrain.spot(at + offset + DVec2::Y * shift).height > tread + 1e-6)
+            };
+            let shifts = (0..30).flat_map(|step| [-0.005 * f64::from(step), 0.005 * f64::from(step)]);
+            let free = shifts.into_iter().find(|shift| !stuck(*shift)).unwrap_or(0.0);
+            let free = if free == 0.0 { 0.0 } else { free + RISER_GAP * free.signum() };
+            here(at + DVec2::Y * free, tread, DVec3::Y)
+        }
+        GroundKind::Uneven { .. } => {
+            // Least squares of height = a + b x + c z over the sole.
+            let (mut normal, mut right) = (DMat3::ZERO, DVec3::ZERO);
+            for offset in sole(foot, plant) {
+                let row = DVec3::new(1.0, offset.x, offset.y);
+                normal += DMat3::from_cols(row * row.x, row * row.y, row * row.z);
+                right += row * terrain.spot(at + offset).height;
+            }
+            if normal.determinant().abs() < 1e-12 {
+                let spot = terrain.spot(at);
+                return here(at, spot.height, spot.normal);
+            }
+            let plane = normal.inverse() * right;
+            here(at, plane.x, DVec3::new(-plane.y, 1.0, -plane.z).normalize())
+        }
+    }
+}
+
+/// m, points of a sole from the ankle's shadow, (x, z), as it would lie on level ground.
+fn sole<'a>(foot: &'a FootShape, plant: &Plant) -> impl Iterator<Item = DVec2> + 'a {
+    let ahead = DVec2::new(plant.yaw.sin(), plant.yaw.cos());
+    let left = DVec2::new(ahead.y, -ahead.x);
+    (0..=8).flat_map(move |along| {
+        let along = foot.heel + (foot.tip - foot.heel) * f64::from(along) / 8.0;
+        [-1.0, 0.0, 1.0].map(|across| ahead * along + left * (across * foot.half_width))
+    })
+}
+
+/// m, how much higher than on level ground the feet carry the body, an entry a tick: the mean of both ankles, smooth in time.
+pub fn bases(body: &Body, terrain: &Terrain, start: &[Plant; 2], steps: &[Step], dt: f64, count: usize) -> Vec<f64> {
+    if terrain.is_flat() {
+        return vec![0.0; count];
+    }
+    let height = |side: Side, time: f64| {
+        let foot = &body.feet[side as usize];
+        let turn = terrain.turn(time);
+        let ankle = |plant: &Plant| (turn * (plant.ankle + plant.normal * foot.ankle_height)).y - foot.ankle_height;
+        let last = steps.iter().rev().find(|step| step.side == side && step.lift <= time);
+        last.map_or(ankle(&start[side as usize]), |step| {
+            let share = smooth3((time - step.lift) / (step.land - step.lift).max(1e-6));
+            ankle(&step.from) + (ankle(&step.to) - ankle(&step.from)) * share
+        })
+    };
+    let raw: Vec<f64> =
+        (0..count).map(|index| Side::BOTH.map(|side| 0.5 * height(side, index as f64 * dt)).iter().sum()).collect();
+    let reach = (3.0 * SMOOTHING / dt).ceil() as isize;
+    let last = count as isize - 1;
+    let at = |index: isize| raw[index.clamp(0, last) as usize];
+    let weights: Vec<f64> = (-reach..=reach).map(|off| (-0.5 * (off as f64 * dt / SMOOTHING).powi(2)).exp()).collect();
+    let total: f64 = weights.iter().sum();
+    (0..=last)
+        .map(|index| (-reach..=reach).zip(&weights).map(|(off, weight)| weight * at(index + off)).sum::<f64>() / total)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::scenario::Ground;
+
+    fn ground(kind: GroundKind) -> Terrain {
+        Terrain::new(&Ground { kind, ..Ground::default() })
+    }
+
+    fn foot() -> FootShape {
+        use glam::DQuat;
+        FootShape {
+            ankle: 0,
+            toe: None,
+            level: DQuat::IDENTITY,
+            toe_level: DQuat::IDENTITY,
+            ankle_height: 0.08,
+            forward: DVec2::Y,
+            heel: -0.07,
+            ball: 0.12,
+            tip: 0.19,
+            half_width: 0.045,
+            rear_sole: Vec::new(),
+            front_sole: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_sole_on_stairs_is_on_one_tread_and_out_of_the_riser() {
+        let terrain = ground(GroundKind::Stairs { rise: 0.17, tread: 0.3, count: 4 });
+        for index in 0..120 {
+            let plant = Plant::level(DVec3::new(0.1, 0.0, 0.7 + 0.01 * f64::from(index)), 0.1);
+            let set = plant_on(&foot(), &terrain, &plant);
+            let at = DVec2::new(set.ankle.x, set.ankle.z);
+            assert!((set.ankle.z - plant.ankle.z).abs() < 0.15, "{plant:?} {set:?}");
+            for offset in sole(&foot(), &set) {
+                assert!(terrain.spot(at + offset).height <= set.ankle.y + 1e-9, "{plant:?}: it sticks in a riser");
+            }
+            let carried = sole(&foot(), &set).filter(|o| terrain.spot(at + *o).height > set.ankle.y - 1e-9).count();
+            assert!(carried >= 9, "{plant:?}: a third of the sole at least is on its tread: {carried} of 27");
+        }
+    }
+
+    #[test]
+    fn a_sole_lies_within_millimetres_of_rolling_ground() {
+        let terrain = ground(GroundKind::Uneven { height: 0.05, wavelength: 1.5, seed: 9 });
+        for index in 0..50 {
+            let plant = Plant::level(DVec3::new(0.13 * f64::from(index), 0.0, -0.07 * f64::from(index)), 0.3);
+            let set = plant_on(&foot(), &terrain, &plant);
+            let at = DVec2::new(set.ankle.x, set.ankle.z);
+            for offset in sole(&foot(), &set) {
+                let plane = set.ankle.y - (offset.x * set.normal.x + offset.y * set.normal.z) / set.normal.y;
+                let off = (plane - terrain.spot(at + offset).height).abs();
+                assert!(off < 8e-3, "{off}");
+            }
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! A step with its roll: when the heel comes up, how the foot pitches on its way, how it passes the other one. Times in s.
+//!
+//! Ground frame, metres, radians. Pitch is positive with the heel up.
+
+use super::clearance::Raise;
+use crate::maths::curve::{bump, smooth3, smooth5};
+use crate::stepper::{Physique, Plant, Step, StepKind};
+use glam::DVec3;
+
+/// rad/s, mean speed at which a heel comes up (a smaller body's too, frames being what they are): faster, and toes and
+/// ankle snap.
+const FASTEST_ROLL: f64 = 1.05;
+/// rad/s, likewise of a walker's, whose heel comes up over ten frames.
+const FASTEST_STRIDE: f64 = 3.6;
+/// s, by how much a heel that lands after its ball begins to come down before the ball lands.
+const LEAD: f64 = 0.05;
+
+/// A step with its roll. Times in s.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Swing {
+    pub(super) lift: f64,
+    pub(super) land: f64,
+    pub(super) heel_off: f64, // how long before `lift` the heel comes up
+    pub(super) settle: f64,   // how long after `land` the foot is flat
+    pub(super) peak_after: f64,
+    pub(super) peak: f64,    // rad, largest pitch, a little after lift
+    pub(super) strike: f64,  // rad, pitch at landing: below 0 heel first, over 0 ball first
+    pub(super) onward: bool, // it goes forwards: the weight is on the ball before it leaves
+    pub(super) clearance: f64,
+    pub(super) aside: DVec3, // horizontal detour at mid-swing, m
+    pub(super) from: Plant,
+    pub(super) to: Plant,
+    pub(super) raise: Raise, // what the ground between asks for
+}
+
+impl Swing {
+    /// Chooses the roll of a step: `room` bounds the time of the heel's rise, `after` is the foot's next lift, `other` the stance foot.
+    pub(super) fn new(step: &Step, room: f64, after: f64, other: &Plant, physique: &Physique, scale: f64) -> Swing {
+        let travel = step.to.ankle - step.from.ankle;
+        let yaw = 0.5 * (step.from.yaw + step.to.yaw);
+        let leg = physique.leg_length;
+        let forward = (travel.x * yaw.sin() + travel.z * yaw.cos()) / leg;
+        let distance = travel.length() / leg;
+        let calm = step.kind == StepKind::Comfort;
+        let duration = step.land - step.lift;
+        // Forwards the foot rolls off its toes; sideways and back it is picked up.
+        let peak =
+            if calm { 14.0 } else { 12.0 + 40.0 * forward.clamp(0.0, 0.8) + 8.0 * (distance - forward.abs()).max(0.0) };
+        // A foot that is to go back has the weight on its heel: it is picked up flat.
+        let backward = (-forward / 0.15).clamp(0.0, 1.0);
+        let peak = peak + (9.0 - peak) * backward;
+        let heel_off = (1.0 - 0.35 * backward)
+            * ((if calm { 0.15 } else { 0.13 + 0.05 * forward.clamp(0.0, 1.0) }) * scale).min(room);
+        let peak_after = (0.085 * scale).min(0.3 * duration);
+        // A walker rolls over the ball long before the foot leaves, and far.
+        let walks = step.kind == StepKind::Walk && forward > 0.25;
+        let (peak, heel_off, peak_after, fastest) = if walks {
+            (24.0 + 22.0 * forward.min(1.55), (0.30 * scale).min(1.1 * room), 0.04 * scale, FASTEST_STRIDE)
+        } else {
+            (peak, heel_off, peak_after, FASTEST_ROLL)
+        };
+        let strike = if forward > 0.12 {
+            -(30.0 * (forward - 0.05)).min(if walks { 20.0 } else { 18.0 })
+        } else if forward < -0.10 {
+            (40.0 * (-forward - 0.05)).min(12.0)
+        } else {
+            0.0
+        };
+        // Flat again two or three frames after landing; from the ball a little later.
+        let settle = if strike > 0.0 {
+            0.15
+        } else if walks {
+            0.11
+        } else {
+            0.085
+        };
+        let settle = (settle * scale).min(0.35 * (after - step.land).max(0.0));
+        Swing {
+            lift: step.lift,
+            land: step.land,
+            heel_off,
+            settle,
+            peak_after,
+            onward: forward > 0.1,
+            peak: peak.to_radians().min(fastest / scale.max(1.0) * (heel_off + peak_after)),
+            strike: strike.to_radians(),
+            clearance: leg * (0.045 + 0.05 * distance.min(1.0)),
+            aside: detour(step, other, physique),
+            from: step.from,
+            to: step.to,
+            raise: Raise::NONE,
+        }
+    }
+
+    /// Pitch that the heel's rise alone gives.
+    fn rise(&self, time: f64) -> f64 {
+        self.peak * smooth5((time - self.lift + self.heel_off) / (self.heel_off + self.peak_after))
+    }
+
+    /// Pitch at a time between heel off and flat.
+    pub(super) fn pitch(&self, time: f64) -> f64 {
+        let (start, top) = (self.lift - self.heel_off, self.lift + self.peak_after);
+        if time <= start {
+            0.0
+        } else if time <= top && (self.strike <= self.peak || time <= self.lift) {
+            self.rise(time)
+        } else {
+            let turn = self.land - if self.strike > 0.0 { LEAD.min(0.25 * (self.land - top)) } else { 0.0 };
+            if time <= turn {
+                let more = self.strike - self.peak;
+                if more > 0.0 {
+                    // A heel that lands higher than it left rises all the way.
+                    self.rise(time) + more * smooth3((time - self.lift) / (turn - self.lift))
+                } else {
+                    self.peak + more * smooth5((time - top) / (turn - top))
+                }
+            } else {
+                self.strike * (1.0 - smooth3((time - turn) / (self.land - turn + self.settle).max(1e-9)))
+            }
+        }
+    }
+}
+
+/// How far the path bends away from a stance foot that stands near it: at least 0.14 leg lengths of gap, m.
+fn detour(step: &Step, other: &Plant, physique: &Physique) -> DVec3 {
+    let (from, to) = (step.from.ankle, step.to.ankle);
+    let path = DVec3::new(to.x - from.x, 0.0, to.z - from.z);
+    let length = path.length();
+    if length < 1e-6 {
+        return DVec3::ZERO;
+    }
+    let along = path / length;
+    let across = DVec3::new(along.z, 0.0, -along.x);
+    let rel = other.ankle - from;
+    let u = rel.dot(along) / length;
+    if !(0.1..=0.9).contains(&u) {
+        return DVec3::ZERO;
+    }
+    let gap = -rel.dot(across); // where the path lies from the stance foot, along `across`
+    // A foot that passes ahead of the other (or behind it) must clear its length, not its width alone.
+    let lengthwise = across.dot(DVec3::new(other.yaw.sin(), 0.0, other.yaw.cos())).abs();
+    let least = (0.15 * physique.leg_length).max(0.14 * physique.leg_length + physique.tip * lengthwise);
+    // Keep to the side of the stance foot where the swing foot belongs.
+    let own = step.side.sign() * across.dot(DVec3::new(other.yaw.cos(), 0.0, -other.yaw.sin())).signum();
+    let sign = if gap.abs() > 0.02 * physique.leg_length { gap.signum() } else { own };
+    let missing = least - gap * sign;
+    if missing > 0.0 { across * (sign * missing / bump(u).max(0.3)) } else { DVec3::ZERO }
+}
