@@ -154,7 +154,16 @@ pub fn rig(trouble: Trouble) -> Rig {
     );
     let document =
         Document { json, buffers: vec![buffer], glb_buffer: true, images: Vec::new(), image_files: Vec::new() };
-    Rig { document, nodes, body, joint_nodes, document_from_scenario, mapping, mesh: Vec::new(), leg_scales: Default::default() }
+    Rig {
+        document,
+        nodes,
+        body,
+        joint_nodes,
+        document_from_scenario,
+        mapping,
+        mesh: Vec::new(),
+        leg_scales: Default::default(),
+    }
 }
 
 fn body(mapped: &[(Role, usize)]) -> (Body, Vec<Option<usize>>) {

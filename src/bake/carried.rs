@@ -118,7 +118,8 @@ pub fn physiques(
             let place = (mass / most * MEASURED as f64).clamp(0.0, MEASURED as f64);
             let from = (place as usize).min(MEASURED - 1);
             let between = |value: fn(&Physique) -> f64| {
-                let held = value(&table[from]) + (value(&table[from + 1]) - value(&table[from])) * (place - from as f64);
+                let held =
+                    value(&table[from]) + (value(&table[from + 1]) - value(&table[from])) * (place - from as f64);
                 (held - value(&base)) * arms
             };
             physique.mass += mass;

@@ -175,7 +175,16 @@ fn disturbances(input: &ReportInput) -> Vec<Disturbance> {
                 .iter()
                 .any(|pull| (pull.start - push.start).abs() < 1e-9 && (pull.force - push.force.length()).abs() < 1e-6);
             let thrown = input.performance.balls.iter().any(|ball| ball.hit.is_some_and(|hit| hit.push == *push));
-            one(push, if thrown { "throw" } else if pulled { "pull" } else { "push" })
+            one(
+                push,
+                if thrown {
+                    "throw"
+                } else if pulled {
+                    "pull"
+                } else {
+                    "push"
+                },
+            )
         })
         .collect()
 }

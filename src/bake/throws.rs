@@ -46,10 +46,10 @@ pub struct Toss {
     /// s, when it arrives at what it is aimed at.
     pub arrives: f64,
     throw: Throw,
-    radius: f64,     // m
-    yaw: f64,        // rad, jitter
-    pitch: f64,      // rad
-    spread: DVec2,   // m, in the plane across its way
+    radius: f64,   // m
+    yaw: f64,      // rad, jitter
+    pitch: f64,    // rad
+    spread: DVec2, // m, in the plane across its way
 }
 
 /// A ball in flight past or into the body.
@@ -218,7 +218,8 @@ fn capsules(body: &Body, pose: &BodyPose, positions: &[DVec3]) -> Vec<Capsule> {
     let chest = joint(UpperChest).or(joint(Chest)).or(joint(Spine));
     let shoulders = place(LeftUpperArm).zip(place(RightUpperArm)).map(|(left, right)| (left + right) * 0.5);
     let hips = place(LeftUpperLeg).zip(place(RightUpperLeg)).map(|(left, right)| (left + right) * 0.5);
-    let girdle = |ends: Option<(DVec3, DVec3)>| ends.map(|(left, right)| [left.lerp(right, 0.2), left.lerp(right, 0.8)]);
+    let girdle =
+        |ends: Option<(DVec3, DVec3)>| ends.map(|(left, right)| [left.lerp(right, 0.2), left.lerp(right, 0.8)]);
     let low = hips.zip(shoulders).map(|(hips, shoulders)| hips.lerp(shoulders, 0.45));
     let high = hips.zip(shoulders).map(|(hips, shoulders)| hips.lerp(shoulders, 0.9));
     add(low, high, 0.068 * height, joint(Chest).or(chest));
@@ -277,12 +278,8 @@ fn way(ball: &Ball, shift: DVec3, terrain: &Terrain, duration: f64) -> Vec<PropK
     let mut keys = Vec::new();
     let seen = (SEEN.0 / ball.velocity.length().max(0.1)).min(SEEN.1);
     let from = (ball.time - seen).max(0.0);
-    let key = |time: f64, translation: DVec3, rotation: DQuat| PropKey {
-        time,
-        translation,
-        rotation,
-        ..PropKey::default()
-    };
+    let key =
+        |time: f64, translation: DVec3, rotation: DQuat| PropKey { time, translation, rotation, ..PropKey::default() };
     let mut time = from;
     while time < ball.time - 1e-3 && time <= duration {
         let (place, _) = flight(ball.place + shift, ball.velocity, time - ball.time);

@@ -145,7 +145,9 @@ impl Writer {
                 helper => helpers[&helper],
             };
             let (kind, values): (_, Vec<f32>) = match &channel.values {
-                KeyValues::Translation(keys) | KeyValues::Scale(keys) => ("VEC3", keys.iter().flatten().copied().collect()),
+                KeyValues::Translation(keys) | KeyValues::Scale(keys) => {
+                    ("VEC3", keys.iter().flatten().copied().collect())
+                }
                 KeyValues::Rotation(keys) => ("VEC4", keys.iter().flatten().copied().collect()),
             };
             let path = channel.values.path();

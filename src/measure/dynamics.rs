@@ -54,7 +54,8 @@ pub fn dynamics(track: &Track, pushes: &[KnownPush]) -> Dynamics {
     let acceleration = filter::second_derivative(&com, hz);
     let momentum = filter::zero_lag(&angular_momentum(track), CUTOFF_HZ, hz);
     let momentum_rate = filter::derivative(&momentum, hz);
-    let mut found = Dynamics { com, velocity, acceleration, momentum, momentum_rate, push: Vec::new(), needed: Vec::new() };
+    let mut found =
+        Dynamics { com, velocity, acceleration, momentum, momentum_rate, push: Vec::new(), needed: Vec::new() };
     let mut inertial: Vec<Wrench> = (0..track.len())
         .map(|i| Wrench {
             force: (found.acceleration[i] + DVec3::Y * GRAVITY) * motion.body.mass,
@@ -84,8 +85,7 @@ fn carry(track: &Track, body: &[DVec3], found: &mut Dynamics, inertial: &mut [Wr
     let mut filtered: Vec<DVec3> = found.com.iter().map(|com| *com * motion.body.mass).collect();
     let mut parts = Vec::new();
     for load in track.loads {
-        let path: Vec<DVec3> =
-            (0..count).map(|i| load.centre_in(&motion.poses[i], track.positions(i))).collect();
+        let path: Vec<DVec3> = (0..count).map(|i| load.centre_in(&motion.poses[i], track.positions(i))).collect();
         let centre = filter::zero_lag(&path, CUTOFF_HZ, hz);
         let spin: Vec<DVec3> = (0..count)
             .map(|i| {
@@ -101,7 +101,13 @@ fn carry(track: &Track, body: &[DVec3], found: &mut Dynamics, inertial: &mut [Wr
             whole[i] += path[i] * mass;
             filtered[i] += centre[i] * mass;
         }
-        parts.push((load, centre.clone(), filter::derivative(&centre, hz), filter::second_derivative(&centre, hz), spin_rate));
+        parts.push((
+            load,
+            centre.clone(),
+            filter::derivative(&centre, hz),
+            filter::second_derivative(&centre, hz),
+            spin_rate,
+        ));
     }
     for i in 0..count {
         let mass = track.mass(i);

@@ -19,7 +19,7 @@ pub mod support;
 pub mod zmp;
 
 pub use outcome::{Balance, balance};
-pub use plausibility::{Findings, measure_carrying, measure, measure_on, plausibility};
+pub use plausibility::{Findings, measure, measure_carrying, measure_on, plausibility};
 
 use crate::model::{Body, BodyPose, Load, Side, Terrain, report::Part};
 use glam::{DQuat, DVec3};

@@ -24,10 +24,7 @@ impl Scenario {
         if self.base.is_some() {
             not_yet("base".to_owned(), "a base clip is");
         }
-        let lanes = [
-            ("crouch", self.crouch.len()),
-            ("stand", self.stand.len()),
-        ];
+        let lanes = [("crouch", self.crouch.len()), ("stand", self.stand.len())];
         for (lane, count) in lanes {
             for index in 0..count {
                 not_yet(format!("{lane}.{index}"), &format!("[[{lane}]] is"));

@@ -3,8 +3,8 @@
 //! Scenario space, SI units. A lane's entry holds from its start until the next one's, or for its duration.
 
 use super::session::SessionPush;
-use crate::model::{Physique, Terrain};
 use crate::model::scenario::{Crouch, Feet, Scenario, Stand, Turn, Walk};
+use crate::model::{Physique, Terrain};
 use crate::stepper::Inputs;
 use glam::DVec2;
 

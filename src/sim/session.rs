@@ -61,8 +61,15 @@ impl Session {
     pub fn new(physique: &Physique, terrain: &Terrain, style: &Style, dt: f64) -> Session {
         let params = Params::new(physique, style);
         let state = State::standing(&params, physique, DVec2::ZERO, 0.0);
-        let mut session =
-            Session { params, physique: *physique, style: *style, terrain: terrain.clone(), state, dt, last: still(&state) };
+        let mut session = Session {
+            params,
+            physique: *physique,
+            style: *style,
+            terrain: terrain.clone(),
+            state,
+            dt,
+            last: still(&state),
+        };
         session.last = session.record(&Inputs::default());
         session
     }
