@@ -78,6 +78,7 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
             velocity: tick.velocity,
             facing: tick.facing,
             mass: measures.mass,
+            load: loads.iter().find(|load| load.span[0] <= toss.arrives && toss.arrives <= load.span[1]),
         });
         if let Some(hit) = &ball.hit {
             pushes.push((hit.push, false));

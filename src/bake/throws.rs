@@ -13,7 +13,7 @@ use crate::maths::seed::Seed;
 use crate::measure::{GRAVITY, KnownPush, PushPoint};
 use crate::model::props::{Prop, PropKey, Shape};
 use crate::model::scenario::{Scenario, Throw};
-use crate::model::{Body, BodyPose, Role, Side, Terrain};
+use crate::model::{Body, BodyPose, Load, Role, Side, Terrain};
 use glam::{DQuat, DVec2, DVec3};
 use std::f64::consts::PI;
 
@@ -95,6 +95,8 @@ pub struct Standing<'a> {
     pub facing: f64,
     /// kg, with what it carries.
     pub mass: f64,
+    /// The box in its hands, where there is one: it is in the way.
+    pub load: Option<&'a Load>,
 }
 
 /// A bone with flesh: a segment, its radius, its joint.
@@ -130,7 +132,8 @@ impl Toss {
     pub fn meet(&self, standing: &Standing) -> Ball {
         let Standing { body, pose, .. } = standing;
         let positions = pose.positions(body);
-        let capsules = capsules(body, pose, &positions);
+        let mut capsules = capsules(body, pose, &positions);
+        capsules.extend(standing.load.map(|load| boxed(load, pose, &positions)));
         let joint = nearest_joint(body, self.throw.at);
         // Aimed at the middle of the bone's flesh.
         let aim = capsules
@@ -201,6 +204,15 @@ fn flight(place: DVec3, velocity: DVec3, time: f64) -> (DVec3, DVec3) {
 fn nearest_on([from, to]: [DVec3; 2], point: DVec3) -> DVec3 {
     let along = to - from;
     from + along * ((point - from).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0)
+}
+
+/// A carried box as a capsule across.
+fn boxed(load: &Load, pose: &BodyPose, positions: &[DVec3]) -> Capsule {
+    let radius = 0.25 * (load.size.y + load.size.z);
+    let out = DVec3::X * (0.5 * load.size.x - radius).max(0.0);
+    let turn = pose.turns[load.joint] * load.level;
+    let centre = load.centre_in(pose, positions);
+    Capsule { ends: [centre - turn * out, centre + turn * out], radius, joint: load.joint }
 }
 
 /// The body as capsules. Radii are an adult's by height; those of a head by its own size.
