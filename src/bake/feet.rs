@@ -25,6 +25,8 @@ const WALKING_DORSIFLEXION: f64 = 13.0 * std::f64::consts::PI / 180.0;
 const LONGEST_SETTLE: f64 = 0.16;
 /// Part of the way from ankle to ball that the pressure must be past before the heel may rise early.
 const WEIGHT_AHEAD: f64 = 0.6;
+/// m, from which height on a step is one of stairs.
+const STAIR: f64 = 0.05;
 /// rad, dorsiflexion with which a foot may land.
 const LANDING_FLEXION: f64 = 16.0 * std::f64::consts::PI / 180.0;
 /// rad.
@@ -310,12 +312,14 @@ impl FootPath {
             } else {
                 level * self.pivot
             };
-        let mut pivot = first + (last - first) * go + swing.aside * bump(u);
+        let (over, up) = match terrain.kind {
+            GroundKind::Stairs { .. } if (last.y - first.y).abs() > STAIR => {
+                clearance::stair(u, last.y > first.y).into()
+            }
+            _ => (go, go),
+        };
+        let mut pivot = first + (last - first) * DVec3::new(over, up, over) + swing.aside * bump(u);
         pivot.y += swing.clearance * bump(u + 0.2 * u * (1.0 - u));
-        if let GroundKind::Stairs { .. } = terrain.kind {
-            // Up a stair before it is reached, down again when it is passed.
-            pivot.y += (last.y - first.y) * (clearance::stair(u, last.y > first.y) - go);
-        }
         pivot.y += swing.raise.at(u);
         // The toes straighten over most of the swing, and are flat again for a strike with the ball.
         let mut straight = smooth3(u / 0.85);

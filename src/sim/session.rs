@@ -66,7 +66,7 @@ impl Session {
     /// At rest, the ankles' middle over the origin, facing +Z.
     pub fn new(physique: &Physique, terrain: &Terrain, style: &Style, dt: f64) -> Session {
         let params = Params::new(physique, style);
-        let state = State::standing(&params, physique, DVec2::ZERO, 0.0);
+        let state = State::standing(&params, physique, terrain, DVec2::ZERO, 0.0);
         let mut session = Session {
             params,
             physique: *physique,
@@ -96,7 +96,7 @@ impl Session {
         if self.state.tick == 0 && amount > 0.0 {
             self.crouch.x = amount.min(DEEPEST);
             self.adapt();
-            self.state = State::standing(&self.params, &self.physique, DVec2::ZERO, 0.0);
+            self.state = State::standing(&self.params, &self.physique, &self.terrain, DVec2::ZERO, 0.0);
             self.last = self.record(&Inputs::default());
         }
     }
@@ -164,7 +164,7 @@ pub fn simulate_pushes(physique: &Physique, pushes: &[SessionPush], options: &Si
 pub fn simulate(physique: &Physique, script: &Script, options: &SimulateOptions) -> Trace {
     let mut session = Session::new(physique, &script.terrain, &options.style, options.dt);
     session.crouched(script.intent(0.0).crouch);
-    let start = session.state.feet;
+    let start = session.state.held;
     let planned = ticks_in(options.duration, options.dt);
     let most = planned + ticks_in(options.extra, options.dt);
     let mut ticks = Vec::with_capacity(planned.min(100_000) + 1);
@@ -191,9 +191,9 @@ pub fn simulate(physique: &Physique, script: &Script, options: &SimulateOptions)
     let aloft = session.state.swing.map(|swing| Step {
         side: swing.side,
         kind: swing.kind,
-        lift: session.state.one.lifted.map_or(swing.lift, |held| held.0),
+        lift: session.state.one.lifted.unwrap_or(swing.lift),
         land: session.state.time,
-        from: session.state.one.lifted.map_or(swing.from, |held| held.1),
+        from: session.state.held[swing.side as usize],
         to: session.state.feet[swing.side as usize],
     });
     Trace { dt: options.dt, ticks, steps, aloft, pushes, start, lost: session.state.lost, rest: session.state.rest }

@@ -24,8 +24,15 @@ pub struct Rhythm {
     pub roll: [f64; 2],
 }
 
-/// The rhythm in which people walk at that velocity, m/s (x, z), and turn at that rate, rad/s.
-pub fn rhythm(params: &Params, physique: &Physique, ahead: DVec2, velocity: DVec2, turn: f64) -> Rhythm {
+/// The rhythm in which people walk at that velocity, m/s (x, z), and turn at that rate, rad/s, where no step is longer
+/// than `longest` m.
+pub fn rhythm(
+    params: &Params,
+    physique: &Physique,
+    ahead: DVec2,
+    velocity: DVec2,
+    (turn, longest): (f64, f64),
+) -> Rhythm {
     let pace = velocity * (params.tempo / params.size); // of the reference body
     let speed = pace.length();
     let way = pace / speed.max(1e-9);
@@ -34,7 +41,7 @@ pub fn rhythm(params: &Params, physique: &Physique, ahead: DVec2, velocity: DVec
     let ratio = forward * along * along + 0.0018 * across * across; // m per step/min
     let spin = (turn.abs() * params.tempo).min(1.0);
     let cadence = (60.0 * speed / ratio.max(1e-4)).sqrt().max(66.0 + 36.0 * spin);
-    let step = 60.0 / cadence;
+    let step = (60.0 / cadence).min(longest / params.size / speed.max(1e-9));
     let share = (0.24 - 0.133 * (speed - 1.2)).clamp(0.14, 0.36);
     let travel = speed * step * across.abs() * params.size;
     let foot = physique.tip - physique.heel;

@@ -4,9 +4,9 @@
 use super::balance::steady_lean;
 use super::foothold::corrective;
 use super::support::{Support, Tread};
-use super::{Inputs, Params, Passing, Physique, Plant, State, StepKind, Swing, ground};
-use crate::model::Side;
+use super::{Inputs, Params, Passing, Physique, State, StepKind, Swing, footing, ground};
 use crate::model::scenario::Feet;
+use crate::model::{Side, Terrain};
 use glam::DVec2;
 
 /// What standing on one foot remembers.
@@ -14,8 +14,8 @@ use glam::DVec2;
 pub struct OneFoot {
     /// The foot that carries, or is about to.
     pub stance: Option<Side>,
-    /// s and place of the lift of a held foot that had to be put down in haste.
-    pub lifted: Option<(f64, Plant)>,
+    /// s, when a held foot was lifted that has to be put down in haste.
+    pub lifted: Option<f64>,
 }
 
 /// The foot that is meant to carry alone.
@@ -62,6 +62,7 @@ pub fn both_down(params: &Params, physique: &Physique, state: &mut State, inputs
         land: f64::INFINITY,
         from,
         to: from,
+        aim: ground(from.ankle),
         passing: Passing::Own,
         round: state.aside() * side.sign(),
         detour: DVec2::ZERO,
@@ -70,15 +71,17 @@ pub fn both_down(params: &Params, physique: &Physique, state: &mut State, inputs
 }
 
 /// With a foot held in the air: puts it down on command, or in haste where the other one cannot hold.
-pub fn hold(params: &Params, physique: &Physique, state: &mut State, inputs: &Inputs, dt: f64) {
+pub fn hold(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut State, inputs: &Inputs, dt: f64) {
     let Some(mut swing) = state.swing.filter(|swing| swing.kind == StepKind::Held) else { return };
     let stance = swing.side.other();
+    let place = footing::from_ground(&state.held[swing.side as usize], terrain.turn(state.time));
+    (swing.from, swing.to) = (place, place);
     let sole = Support::one(params, physique, &state.feet[stance as usize], Tread::Whole, 0.0);
     if sole.outside(state.xi() + steady_lean(physique, state)) > 0.0 {
         let ticks = (0.75 * params.swing / dt).round().max(2.0);
         let now = state.feet[swing.side as usize];
-        state.one = OneFoot { stance: None, lifted: Some((swing.lift, swing.from)) };
-        let mut best = (f64::INFINITY, Passing::Own, now);
+        state.one = OneFoot { stance: None, lifted: Some(swing.lift) };
+        let mut best = (f64::INFINITY, Passing::Own, place);
         for passing in [Passing::Own, Passing::Front, Passing::Behind] {
             let foothold = corrective(params, physique, state, swing.side, passing, (ticks * dt, ticks * dt));
             let price = foothold.miss + 0.3 * foothold.off + 0.1 * foothold.across;
@@ -92,8 +95,9 @@ pub fn hold(params: &Params, physique: &Physique, state: &mut State, inputs: &In
             Passing::Behind => -state.ahead,
         };
         let (lift, land) = (state.time, state.time + ticks * dt);
-        let (passing, to) = (best.1, best.2);
-        swing = Swing { kind: StepKind::Corrective, lift, land, from: now, to, passing, round, ..swing };
+        let (passing, aim) = (best.1, ground(best.2.ankle));
+        let to = footing::set_down(terrain, physique, aim, best.2.yaw, land);
+        swing = Swing { kind: StepKind::Corrective, lift, land, from: now, to, aim, passing, round, ..swing };
     } else if swing.land.is_infinite() && wanted(inputs) != Some(stance) {
         let ticks = (params.comfort_swing / dt).round().max(2.0);
         swing.land = state.time.max(swing.lift + ticks * dt) + ticks * dt;

@@ -6,10 +6,10 @@
 
 use super::gait::{self, Rhythm};
 use super::support::{Support, Tread};
-use super::{Inputs, Params, Physique, State, StepKind, Swing, footfall, ground, roll, swing, turn};
+use super::{Inputs, Params, Physique, State, StepKind, Swing, footfall, footing, ground, roll, swing, turn};
 use super::{Passing, balance};
 use crate::maths::pendulum;
-use crate::model::Side;
+use crate::model::{Side, Terrain};
 use glam::DVec2;
 
 /// Where in the gait.
@@ -54,6 +54,8 @@ pub struct Gait {
     pub turning: bool,
     /// This step is the last one.
     pub last: bool,
+    /// m, the longest step that the ground allows.
+    pub longest: f64,
 }
 
 impl Gait {
@@ -74,12 +76,13 @@ impl Gait {
             goal: 0.0,
             turning: false,
             last: false,
+            longest: f64::INFINITY,
         }
     }
 }
 
 /// Follows the command.
-pub fn steer(params: &Params, state: &mut State, inputs: &Inputs, dt: f64) {
+pub fn steer(params: &Params, terrain: &Terrain, state: &mut State, inputs: &Inputs, dt: f64) {
     // while the pelvis turns, the way to go turns with it
     let wanted = turn::rotated(inputs.walk.unwrap_or(DVec2::ZERO), -state.gait.goal);
     let gait = &mut state.gait;
@@ -87,6 +90,8 @@ pub fn steer(params: &Params, state: &mut State, inputs: &Inputs, dt: f64) {
         return;
     }
     gait.tick = dt;
+    gait.longest = footing::longest(terrain, params, ground(state.com), wanted.normalize_or(state.ahead));
+    let wanted = wanted.clamp_length_max(gait.longest / (0.55 * params.tempo));
     let most = params.ramp * dt;
     let first = 0.5 * params.size / params.tempo;
     let wanted = if gait.phase == Phase::Start { wanted.clamp_length_max(first) } else { wanted };
@@ -103,6 +108,7 @@ pub fn steer(params: &Params, state: &mut State, inputs: &Inputs, dt: f64) {
 pub fn both_down(
     params: &Params,
     physique: &Physique,
+    terrain: &Terrain,
     state: &mut State,
     inputs: &Inputs,
     dt: f64,
@@ -155,7 +161,7 @@ pub fn both_down(
         state.gait.until = state.time + dt;
         return (true, None);
     }
-    (true, Some(lift(params, physique, state, inputs, (single, dt))))
+    (true, Some(lift(params, physique, terrain, state, inputs, (single, dt))))
 }
 
 /// Is there somewhere to go, or to turn to?
@@ -210,7 +216,8 @@ fn enter(state: &mut State, phase: Phase, side: Side, time: f64) {
 /// The rhythm of the commanded velocity, in whole ticks.
 pub fn rhythm_now(params: &Params, physique: &Physique, state: &State) -> Rhythm {
     let tick = state.gait.tick;
-    let rhythm = gait::rhythm(params, physique, state.ahead, state.gait.velocity, state.gait.turn);
+    let bounds = (state.gait.turn, state.gait.longest);
+    let rhythm = gait::rhythm(params, physique, state.ahead, state.gait.velocity, bounds);
     let whole = |time: f64| (time / tick).round() * tick;
     let single = whole(rhythm.step - rhythm.double).max(2.0 * tick);
     let step = whole(rhythm.step).max(single);
@@ -218,7 +225,14 @@ pub fn rhythm_now(params: &Params, physique: &Physique, state: &State) -> Rhythm
 }
 
 /// Lifts the foot.
-fn lift(params: &Params, physique: &Physique, state: &mut State, inputs: &Inputs, (single, dt): (f64, f64)) -> Side {
+fn lift(
+    params: &Params,
+    physique: &Physique,
+    terrain: &Terrain,
+    state: &mut State,
+    inputs: &Inputs,
+    (single, dt): (f64, f64),
+) -> Side {
     let side = state.gait.side;
     let ticks = (single / dt).round().max(2.0);
     let land = state.time + ticks * dt;
@@ -228,6 +242,8 @@ fn lift(params: &Params, physique: &Physique, state: &mut State, inputs: &Inputs
     enter(state, Phase::Single, side, ticks * dt);
     state.gait.last = last;
     let to = footfall::plan(params, physique, state, side, (0.0, ticks * dt), (0.0, ticks * dt)).plant;
+    let aim = ground(to.ankle);
+    let to = footing::set_down(terrain, physique, aim, to.yaw, land);
     let from = state.feet[side as usize];
     let stance = ground(state.feet[side.other() as usize].ankle);
     let round = swing::round(ground(from.ankle), ground(to.ankle), stance, state.aside() * side.sign());
@@ -238,6 +254,7 @@ fn lift(params: &Params, physique: &Physique, state: &mut State, inputs: &Inputs
         land,
         from,
         to,
+        aim,
         passing: Passing::Own,
         round,
         detour: swing::detour(ground(from.ankle), ground(to.ankle), stance, round, params.step_gap),

@@ -16,10 +16,11 @@ fn standing(bencher: Bencher) {
     let body = Physique::REFERENCE;
     let params = Params::new(&body, &Style::default());
     let still = Inputs::default();
-    let mut state = State::standing(&params, &body, DVec2::ZERO, 0.0);
+    let flat = Terrain::flat();
+    let mut state = State::standing(&params, &body, &flat, DVec2::ZERO, 0.0);
     bencher
         .counter(ItemsCount::new(1_u32))
-        .bench_local(|| tick(&params, &body, &Terrain::flat(), &mut state, divan::black_box(&still), 0.01));
+        .bench_local(|| tick(&params, &body, &flat, &mut state, divan::black_box(&still), 0.01));
 }
 
 /// Four seconds of ticks: items a second are ticks a second.
