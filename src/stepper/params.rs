@@ -208,7 +208,7 @@ impl Params {
             ramp: 0.8 * pace / tempo,
             step_width: (0.10 * size).max(2.0 * physique.half_width + 0.005 * size),
             step_gap: (0.09 * size).max(2.0 * physique.half_width),
-            stumble: 0.35 * size,
+            stumble: dial(1.2, 1.0, 0.65) * size,
             least_swing: dial(0.34, 0.28, 0.20) * tempo,
 
             brief: 0.45 * tempo,
