@@ -110,7 +110,7 @@ pub fn pivot(
     let ahead = turn::rotated(state.ahead, amid);
     let velocity = turn::rotated(state.gait.velocity, amid);
     let mut pivot = gait::pivot(rhythm, walk::omega(params, physique), side, yaws, ahead, velocity);
-    let slack = params.leg_bias * (physique.com_height - state.com.y);
+    let slack = params.walk_bias * (physique.com_height - state.com.y);
     let slack = velocity.normalize_or_zero() * slack;
     pivot.lead += slack;
     pivot.then += slack;
