@@ -116,7 +116,7 @@ impl FootCurves {
         path.swings
             .iter()
             .find(|swing| time > swing.lift && time < swing.land)
-            .map_or(0.0, |swing| bump((time - swing.lift) / (swing.land - swing.lift)).sqrt())
+            .map_or(0.0, |swing| bump(swing.along(time)).sqrt())
     }
 
     /// s since the foot last landed; infinite before its first step.
@@ -301,7 +301,7 @@ impl FootPath {
     }
 
     fn flight(&self, swing: &Swing, time: f64, pitch: f64, terrain: &Terrain) -> FootTarget {
-        let u = (time - swing.lift) / (swing.land - swing.lift);
+        let u = swing.along(time);
         let go = trapezoid(u);
         let yaw = swing.from.yaw + wrap_angle(swing.to.yaw - swing.from.yaw) * go;
         let first = self.flat_ankle(&swing.from) + turned(&swing.from, 0.0) * self.pivot;

@@ -11,10 +11,10 @@ use super::{BakeError, balance, feet, footing, knees, reach};
 use crate::maths::curve::smooth3;
 use crate::maths::seed::Seed;
 use crate::measure::{Frame, KnownPush, PushPoint};
-use crate::model::scenario::{Character, Direction, GroundKind, Scenario};
+use crate::model::scenario::{Character, Direction, Feet, GroundKind, Scenario};
 use crate::model::{Body, Role, Side, Terrain};
 use crate::sim::{Script, SessionPush, SimulateOptions, TickState, Trace, simulate};
-use crate::stepper::{Phase, Physique, Style};
+use crate::stepper::{Phase, Physique, Step, Style};
 use crate::whole_body::reaction::{Personality, Reaction, Senses, UpperAngles};
 use crate::whole_body::solve::Solved;
 use crate::whole_body::{Anatomy, Solver, stand};
@@ -97,9 +97,15 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
     let terrain = Terrain::new(&scenario.ground);
     let taken_up = carried.iter().filter_map(Carried::begins).fold(f64::INFINITY, f64::min);
     let still_until = still_until(scenario, &pushes, taken_up);
-    let (start, steps) = footing::grounded(body, &terrain, &trace.start, &trace.steps);
+    // What the end cuts off is flown as far as it goes; who falls does not land.
+    let aloft = trace.aloft.filter(|_| trace.lost.is_none());
+    let steps: Vec<Step> = trace.steps.iter().copied().chain(aloft).collect();
+    let (start, steps) = footing::grounded(body, &terrain, &trace.start, &steps);
     let bases = footing::bases(body, &terrain, &start, &steps, trace.dt, count);
-    let height = |index: usize| script.physiques.get(index).unwrap_or(&physique).com_height + bases[index];
+    let height = |index: usize| {
+        let standing = script.physiques.get(index).unwrap_or(&physique).com_height;
+        standing + bases[index] - ticks[index].crouched
+    };
     let path = ticks.iter().enumerate().map(|(index, tick)| DVec3::new(tick.com.x, height(index), tick.com.z));
     let mut timeline = Timeline {
         body: body.clone(),
@@ -287,18 +293,21 @@ fn upper_body(ticks: &[TickState], dt: f64, physique: &Physique, seed: u64, scen
     };
     let unhurried = style(&scenario.character).unhurried();
     let mut reaction = Reaction::new(physique, personality, scenario.character.style.arms).unhurried(unhurried);
-    let senses = |tick: &TickState| Senses {
+    let script = Script::of(scenario, Vec::new());
+    let senses = |tick: &TickState, time: f64| Senses {
         acceleration: tick.acceleration,
         push: tick.push,
         push_moment: tick.push_moment,
         xi: tick.xi,
         velocity: DVec2::new(tick.velocity.x, tick.velocity.z),
         wanted: tick.walk,
+        crouched: tick.crouched,
+        on_one: script.intent(time).stand != Feet::Both,
         feet: tick.feet,
         planted: tick.planted,
         facing: tick.facing,
     };
-    ticks.iter().map(|tick| reaction.tick(&senses(tick), dt)).collect()
+    ticks.iter().enumerate().map(|(index, tick)| reaction.tick(&senses(tick, index as f64 * dt), dt)).collect()
 }
 
 /// The stepper's dials from the scenario's.

@@ -6,7 +6,7 @@
 use super::contacts::{self, FootContact};
 use super::perform::Performance;
 use super::root_motion::RootMotion;
-use crate::measure::{Findings, Frame, KnownPush, Motion, PushPoint, measure_carrying};
+use crate::measure::{Findings, Frame, KnownPush, Motion, PushPoint, Setting, measure_in};
 use crate::model::report::{Assist, BodyReport, Contact, Disturbance, Event, Outcome, Plausibility};
 use crate::model::scenario::Scenario;
 use crate::model::{Body, BodyPose, Clip, ClipReport, Side};
@@ -40,7 +40,10 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
     let motion = Motion { body, hz, per_frame: PER_FRAME, poses: &poses };
     let terrain = &performance.timeline.terrain;
     let held = contacts::held(&performance.contacts, Frame::of(terrain));
-    let findings = measure_carrying(motion, terrain, &performance.timeline.loads, &held, &performance.pushes);
+    let crouched = performance.trace.ticks.iter().map(|tick| tick.crouched).fold(0.0, f64::max);
+    let crouched = crouched - performance.trace.ticks.first().map_or(0.0, |tick| tick.crouched);
+    let setting = Setting { terrain, loads: &performance.timeline.loads, crouched };
+    let findings = measure_in(motion, &setting, &held, &performance.pushes);
     let mut plausibility = findings.as_ref().map_or_else(Plausibility::default, Findings::plausibility);
     if input.root == RootMotion::InPlace {
         plausibility.notes.push("measured with the travel that in-place leaves out".into());

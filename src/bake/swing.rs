@@ -12,6 +12,10 @@ use glam::DVec3;
 const FASTEST_ROLL: f64 = 1.05;
 /// rad/s, likewise of a walker's, whose heel comes up over ten frames.
 const FASTEST_STRIDE: f64 = 3.6;
+/// s, in which a foot that is to be held goes up, and comes down.
+const HELD: f64 = 0.55;
+/// Part of the leg, how high.
+const HELD_HEIGHT: f64 = 0.13;
 /// s, by how much a heel that lands after its ball begins to come down before the ball lands.
 const LEAD: f64 = 0.05;
 
@@ -26,6 +30,7 @@ pub(super) struct Swing {
     pub(super) peak: f64,    // rad, largest pitch, a little after lift
     pub(super) strike: f64,  // rad, pitch at landing: below 0 heel first, over 0 ball first
     pub(super) walks: bool,  // one of the gait
+    pub(super) held: f64,    // s, up and again down of a foot that is held up between; 0 for a step
     pub(super) onward: bool, // it goes forwards: the weight is on the ball before it leaves
     pub(super) clearance: f64,
     pub(super) aside: DVec3, // horizontal detour at mid-swing, m
@@ -83,14 +88,34 @@ impl Swing {
             settle,
             peak_after,
             walks,
+            held: if step.kind == StepKind::Held { (HELD * scale).min(0.5 * duration) } else { 0.0 },
             onward: forward > 0.1,
             peak: peak.to_radians().min(fastest / scale.max(1.0) * (heel_off + peak_after)),
             strike: strike.to_radians(),
-            clearance: leg * (0.045 + 0.05 * distance.min(1.0)),
+            clearance: if step.kind == StepKind::Held {
+                HELD_HEIGHT * leg
+            } else {
+                leg * (0.045 + 0.05 * distance.min(1.0))
+            },
             aside: detour(step, other, physique),
             from: step.from,
             to: step.to,
             raise: Raise::NONE,
+        }
+    }
+
+    /// How far along its way it is, 0..1; a foot that is held up waits at the half.
+    pub(super) fn along(&self, time: f64) -> f64 {
+        if self.held <= 0.0 {
+            return (time - self.lift) / (self.land - self.lift);
+        }
+        let (up, down) = ((time - self.lift) / self.held, (self.land - time) / self.held);
+        if up < 1.0 {
+            0.5 * smooth3(up)
+        } else if down < 1.0 {
+            1.0 - 0.5 * smooth3(down)
+        } else {
+            0.5
         }
     }
 

@@ -19,7 +19,7 @@ pub mod support;
 pub mod zmp;
 
 pub use outcome::{Balance, balance};
-pub use plausibility::{Findings, measure, measure_carrying, measure_on, plausibility};
+pub use plausibility::{Findings, Setting, measure, measure_in, measure_on, plausibility};
 
 use crate::model::{Body, BodyPose, Load, Side, Terrain, report::Part};
 use glam::{DQuat, DVec3};
@@ -159,6 +159,8 @@ pub struct Track<'a> {
     pub terrain: Option<Terrain>,
     /// Boxes in both hands: the ground must carry them too.
     pub loads: &'a [Load],
+    /// m, by how much the body means to go lower than it stands.
+    pub crouched: f64,
     positions: Vec<DVec3>, // (samples x joints), sample-major
 }
 
@@ -174,7 +176,7 @@ impl<'a> Track<'a> {
             pose.positions_into(motion.body, &mut one);
             positions.extend_from_slice(&one);
         }
-        Some(Track { motion, terrain: None, loads: &[], positions })
+        Some(Track { motion, terrain: None, loads: &[], crouched: 0.0, positions })
     }
 
     /// The same over a ground that is known.
@@ -186,6 +188,11 @@ impl<'a> Track<'a> {
     pub fn carrying(self, loads: &'a [Load]) -> Track<'a> {
         let joints = self.motion.body.joints.len();
         Track { loads: if loads.iter().all(|load| load.joint < joints) { loads } else { &[] }, ..self }
+    }
+
+    /// The same of a body that means to go so much lower, m.
+    pub fn crouching(self, crouched: f64) -> Track<'a> {
+        Track { crouched, ..self }
     }
 
     /// kg, the body and what it carries at a sample.

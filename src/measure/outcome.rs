@@ -63,7 +63,8 @@ pub fn balance(
             let at = track.positions(*sample)[*joint];
             at.y - below(*sample, at) < touching
         };
-        dynamics.com[*sample].y - ground(*sample) < FALLEN_SHARE * standing || others.iter().any(lies)
+        let low = FALLEN_SHARE * (standing - track.crouched);
+        dynamics.com[*sample].y - ground(*sample) < low || others.iter().any(lies)
     });
     let still = |sample: usize| {
         let time = motion.time(sample);

@@ -64,15 +64,26 @@ pub fn measure_on(
     Some(measure_track(&Track::over(motion, terrain)?, contacts, pushes, terrain.friction))
 }
 
-/// The same of a body that carries something.
-pub fn measure_carrying(
+/// What the motion's measures must know beside it.
+#[derive(Clone, Copy, Debug)]
+pub struct Setting<'a> {
+    /// The ground.
+    pub terrain: &'a Terrain,
+    /// What is carried.
+    pub loads: &'a [Load],
+    /// m, the deepest crouch that is meant.
+    pub crouched: f64,
+}
+
+/// The same of a body that carries something or crouches.
+pub fn measure_in(
     motion: Motion,
-    terrain: &Terrain,
-    loads: &[Load],
+    setting: &Setting,
     contacts: &[HeldContact],
     pushes: &[KnownPush],
 ) -> Option<Findings> {
-    Some(measure_track(&Track::over(motion, terrain)?.carrying(loads), contacts, pushes, terrain.friction))
+    let track = Track::over(motion, setting.terrain)?.carrying(setting.loads).crouching(setting.crouched);
+    Some(measure_track(&track, contacts, pushes, setting.terrain.friction))
 }
 
 fn measure_track(track: &Track, contacts: &[HeldContact], pushes: &[KnownPush], friction: f64) -> Findings {

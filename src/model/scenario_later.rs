@@ -1,6 +1,6 @@
 //! What a scenario may say that this version of the program cannot bake yet: it is refused by name rather than passed over.
 
-use super::scenario::{Character, Scenario};
+use super::scenario::Scenario;
 use super::scenario_errors::Fault;
 
 impl Scenario {
@@ -14,21 +14,8 @@ impl Scenario {
                 remedy: "take it out of the scenario for now".to_owned(),
             });
         };
-        let (character, ordinary) = (&self.character, Character::default());
-        let dials = [("crouch", character.crouch != ordinary.crouch)];
-        for (key, turned) in dials {
-            if turned {
-                not_yet(format!("character.{key}"), &format!("`{key}` is"));
-            }
-        }
         if self.base.is_some() {
             not_yet("base".to_owned(), "a base clip is");
-        }
-        let lanes = [("crouch", self.crouch.len()), ("stand", self.stand.len())];
-        for (lane, count) in lanes {
-            for index in 0..count {
-                not_yet(format!("{lane}.{index}"), &format!("[[{lane}]] is"));
-            }
         }
         faults
     }
@@ -42,17 +29,6 @@ mod tests {
     #[test]
     fn the_demo_can_be_baked() {
         assert_eq!(Scenario::demo().unavailable(), []);
-    }
-
-    #[test]
-    fn a_dial_that_does_nothing_yet_may_stand_where_it_is() {
-        let mut scenario = Scenario::demo();
-        scenario.character.crouch = 0.2;
-        scenario.character.leg_scale = 1.2;
-        scenario.character.style.recovery_time = 0.9;
-        scenario.character.style.arms = 0.9;
-        let paths: Vec<String> = scenario.unavailable().into_iter().map(|fault| fault.path).collect();
-        assert_eq!(paths, ["character.crouch"]);
     }
 
     #[test]

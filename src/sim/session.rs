@@ -6,9 +6,11 @@ use super::{Script, TickState, Trace};
 use crate::maths::spring::Spring;
 use crate::model::Terrain;
 use crate::model::scenario::Feet;
-use crate::stepper::{self, Inputs, Params, Physique, State, Step, Style, TickOutput, ground};
+use crate::stepper::{self, Inputs, Params, Physique, State, Step, Style, TickOutput, footing, ground};
 use glam::{DQuat, DVec2, DVec3};
 
+/// s after the end, when a foot that is held up would come down.
+const HOLDS_ON: f64 = 2.0;
 /// The share of the leg by which the deepest crouch shortens it.
 const DEEPEST: f64 = 0.6;
 /// s, the length of a tick.
@@ -158,7 +160,14 @@ impl Session {
     }
 
     fn record(&self, inputs: &Inputs) -> TickState {
-        TickState { xi: self.state.xi(), push: inputs.force, push_moment: inputs.moment, ..still(&self.state) }
+        let crouched = self.crouch.x * self.whole.leg_length;
+        TickState {
+            xi: self.state.xi(),
+            push: inputs.force,
+            push_moment: inputs.moment,
+            crouched,
+            ..still(&self.state)
+        }
     }
 }
 
@@ -200,13 +209,16 @@ pub fn simulate(physique: &Physique, script: &Script, options: &SimulateOptions)
         }
     }
     session.resolve(&mut pushes);
-    let aloft = session.state.swing.map(|swing| Step {
-        side: swing.side,
-        kind: swing.kind,
-        lift: session.state.one.lifted.unwrap_or(swing.lift),
-        land: session.state.time,
-        from: session.state.held[swing.side as usize],
-        to: session.state.feet[swing.side as usize],
+    let aloft = session.state.swing.map(|swing| {
+        let land = if swing.land.is_finite() { swing.land } else { session.state.time + HOLDS_ON };
+        Step {
+            side: swing.side,
+            kind: swing.kind,
+            lift: session.state.one.lifted.unwrap_or(swing.lift),
+            land,
+            from: session.state.held[swing.side as usize],
+            to: footing::to_ground(&swing.to, script.terrain.turn(land)),
+        }
     });
     Trace { dt: options.dt, ticks, steps, aloft, pushes, start, lost: session.state.lost, rest: session.state.rest }
 }
@@ -244,5 +256,6 @@ fn still(state: &State) -> TickState {
         facing: state.facing,
         walk: state.gait.velocity,
         gait: state.gait.phase,
+        crouched: 0.0,
     }
 }

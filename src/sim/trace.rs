@@ -13,7 +13,7 @@ pub struct Trace {
     pub ticks: Vec<TickState>,
     /// Steps in the order of their lifts. A swing that the end cut off is not in it.
     pub steps: Vec<Step>,
-    /// The swing that the end cut off: its landing is the end's time and the foot's place in the air.
+    /// The swing that the end cut off, as it would have landed; a foot that is held up comes down a while later.
     pub aloft: Option<Step>,
     /// The script's pushes in its order; those that turned with the character as they acted.
     pub pushes: Vec<SessionPush>,
@@ -52,4 +52,6 @@ pub struct TickState {
     pub walk: DVec2,
     /// Where in the gait.
     pub gait: Phase,
+    /// m, by how much a crouch lowers the centre of mass.
+    pub crouched: f64,
 }

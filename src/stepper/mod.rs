@@ -12,7 +12,7 @@ mod control;
 mod decide;
 mod footfall;
 mod foothold;
-mod footing;
+pub mod footing;
 mod gait;
 mod legs;
 pub mod params;

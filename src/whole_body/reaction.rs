@@ -31,6 +31,10 @@ pub struct Senses {
     pub velocity: DVec2,
     /// m/s, as it is commanded (x, z); zero in a stand.
     pub wanted: DVec2,
+    /// m, by how much a crouch lowers it.
+    pub crouched: f64,
+    /// It is told to stand on one foot.
+    pub on_one: bool,
     /// Left and right foot.
     pub feet: [Plant; 2],
     /// Which of them carry.
@@ -145,7 +149,8 @@ impl Reaction {
 
         let mut angles = [0.0; UPPER];
         angles[0] = lean.x;
-        angles[1] = lean.y + stride.lean;
+        // Who crouches bends forwards.
+        angles[1] = lean.y + stride.lean + 0.5 * senses.crouched / self.physique.leg_length;
         angles[2] = self.head[0].x;
         angles[3] = self.head[1].x;
         angles[4] = self.pelvis_yaw.x + stride.turn;
@@ -188,7 +193,8 @@ impl Reaction {
         let off = standing.lerp(strayed, walking);
         let raw = ((off.length() - 0.035 - 0.07 * walking) / 0.24).clamp(0.0, 1.0);
         // Nobody is alarmed by his own starting and stopping.
-        self.walked = walking.max(self.walked - dt / (2.0 * scale));
+        let willed = walking.max(f64::from(u8::from(senses.on_one)));
+        self.walked = willed.max(self.walked - dt / (2.0 * scale));
         self.shoved = self.shoved * (-dt / (1.5 * scale)).exp() + senses.push.length() / self.physique.mass * dt;
         let pace = (GRAVITY * self.physique.com_height).sqrt();
         let raw = raw * (self.shoved / (0.05 * pace)).min(1.0).max(1.0 - self.walked);
