@@ -53,11 +53,11 @@ impl Default for SimulateOptions {
 pub struct Session {
     params: Params,
     physique: Physique,
+    style: Style,
     terrain: Terrain,
     state: State,
     dt: f64,
     last: TickState,
-    style: Style,
     whole: Physique,
     crouch: Spring,
 }
@@ -70,13 +70,13 @@ impl Session {
         let mut session = Session {
             params,
             physique: *physique,
+            style: *style,
+            whole: *physique,
+            crouch: Spring::default(),
             terrain: terrain.clone(),
             state,
             dt,
             last: still(&state),
-            style: *style,
-            whole: *physique,
-            crouch: Spring::default(),
         };
         session.last = session.record(&Inputs::default());
         session
@@ -89,6 +89,14 @@ impl Session {
         let output = stepper::tick(&self.params, &self.physique, &self.terrain, &mut self.state, &inputs, self.dt);
         self.last = self.record(&inputs);
         output
+    }
+
+    /// From now on with those measures: what it carries weighs more or less. All that is tuned to a body follows.
+    pub fn set_physique(&mut self, physique: &Physique) {
+        if *physique != self.whole {
+            self.whole = *physique;
+            self.adapt();
+        }
     }
 
     /// Starts that low already: only before the first tick.
@@ -159,9 +167,10 @@ pub fn simulate_pushes(physique: &Physique, pushes: &[SessionPush], options: &Si
     simulate(physique, &Script::standing(pushes), options)
 }
 
-/// Runs to the end: the asked duration, and on until at rest (at most `extra` s) unless it is told to walk on or to stand on one foot; it stops
-/// where balance is lost.
+/// Runs to the end: the asked duration, and on until at rest (at most `extra` s) unless it is told to walk on or
+/// to stand on one foot; it stops where balance is lost.
 pub fn simulate(physique: &Physique, script: &Script, options: &SimulateOptions) -> Trace {
+    let physique = script.physiques.first().unwrap_or(physique);
     let mut session = Session::new(physique, &script.terrain, &options.style, options.dt);
     session.crouched(script.intent(0.0).crouch);
     let start = session.state.held;
@@ -178,6 +187,9 @@ pub fn simulate(physique: &Physique, script: &Script, options: &SimulateOptions)
         let goes_on = intent.stand != Feet::Both || intent.walk.is_some_and(|walk| walk != DVec2::ZERO);
         if ticks.len() > planned && (done || goes_on) {
             break;
+        }
+        if let Some(physique) = script.physiques.get(ticks.len()).or(script.physiques.last()) {
+            session.set_physique(physique);
         }
         session.resolve(&mut pushes);
         let output = session.step(&intent, &pushes);
