@@ -53,11 +53,11 @@ impl Default for SimulateOptions {
 pub struct Session {
     params: Params,
     physique: Physique,
-    style: Style,
     terrain: Terrain,
     state: State,
     dt: f64,
     last: TickState,
+    style: Style,
     whole: Physique,
     crouch: Spring,
 }
@@ -70,13 +70,13 @@ impl Session {
         let mut session = Session {
             params,
             physique: *physique,
-            style: *style,
-            whole: *physique,
-            crouch: Spring::default(),
             terrain: terrain.clone(),
             state,
             dt,
             last: still(&state),
+            style: *style,
+            whole: *physique,
+            crouch: Spring::default(),
         };
         session.last = session.record(&Inputs::default());
         session
