@@ -176,8 +176,8 @@ pub fn simulate_pushes(physique: &Physique, pushes: &[SessionPush], options: &Si
     simulate(physique, &Script::standing(pushes), options)
 }
 
-/// Runs to the end: the asked duration, and on until at rest (at most `extra` s) unless it is told to walk on or to stand on one foot; it stops
-/// where balance is lost.
+/// Runs to the end: the asked duration, and on until at rest (at most `extra` s) unless it is told to walk on or
+/// to stand on one foot; it stops where balance is lost.
 pub fn simulate(physique: &Physique, script: &Script, options: &SimulateOptions) -> Trace {
     let physique = script.physiques.first().unwrap_or(physique);
     let mut session = Session::new(physique, &script.terrain, &options.style, options.dt);

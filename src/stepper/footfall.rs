@@ -110,7 +110,8 @@ pub fn pivot(
     let ahead = turn::rotated(state.ahead, amid);
     let velocity = turn::rotated(state.gait.velocity, amid);
     let mut pivot = gait::pivot(rhythm, walk::omega(params, physique), side, yaws, ahead, velocity);
-    let slack = params.walk_bias * (physique.com_height - state.com.y);
+    let bias = if state.gait.longest.is_infinite() { params.walk_bias } else { params.leg_bias };
+    let slack = bias * (physique.com_height - state.com.y);
     let slack = velocity.normalize_or_zero() * slack;
     pivot.lead += slack;
     pivot.then += slack;

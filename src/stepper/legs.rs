@@ -52,7 +52,10 @@ pub fn integrate(params: &Params, physique: &Physique, state: &mut State, inputs
         .fold(f64::INFINITY, f64::min);
     let height = physique.com_height;
     let off = if walking { off.min(0.23 * physique.leg_length * physique.leg_length) } else { off };
-    let share = if walking { params.walk_arc } else { params.slip_arc };
+    // on stairs the treads say how high; sideways the legs fold less
+    let free = walking && state.gait.longest.is_infinite();
+    let along = if free { state.gait.velocity.normalize_or(state.ahead).dot(state.ahead).powi(4) } else { 0.0 };
+    let share = params.slip_arc + (params.walk_arc - params.slip_arc) * along;
     let arc = share * (height - (height * height - off.min(0.5 * height * height)).sqrt());
     state.arc += (arc - state.arc) * (1.0 - (-dt / (0.06 * params.tempo)).exp());
 }
