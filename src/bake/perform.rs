@@ -229,6 +229,11 @@ fn run(
     let com = DVec3::Y * physique.com_height;
     let standing = Solver::new(body, anatomy).solve(&stand::stand_target(body, &plants, com, 0.0));
     let positions = standing.pose.positions(body);
+    // What is carried lifts the centre of mass.
+    let height = |time: f64| {
+        let tick = (time / options.dt).round() as usize;
+        script.physiques.get(tick).or(script.physiques.last()).unwrap_or(physique).com_height
+    };
     let pushes: Vec<SessionPush> = pushes
         .iter()
         .map(|(push, turns)| SessionPush {
@@ -237,9 +242,9 @@ fn run(
             force: push.force,
             turns: *turns,
             arm: match push.at {
-                PushPoint::Joint(joint) => positions[joint].y - physique.com_height,
+                PushPoint::Joint(joint) => positions[joint].y - height(push.start),
                 PushPoint::Segment(joint, offset) => {
-                    (positions[joint] + standing.pose.turns[joint] * offset).y - physique.com_height
+                    (positions[joint] + standing.pose.turns[joint] * offset).y - height(push.start)
                 }
                 _ => 0.0,
             },
