@@ -7,11 +7,15 @@ mod architecture;
 mod bodies;
 /// The program at the shell: exit codes, words, files.
 mod cli;
+/// Stands and walks on ground that is not level: what the feet hold, and props.
+mod clip_ground;
 mod common;
 /// Baked files: the source kept whole, read again, by the Khronos validator, three.js.
 mod export;
 /// The same for rigs that nobody here made: slip, keys, the Khronos validator.
 mod export_real;
+/// The controller on slopes, stairs, gaps, rolling ground and a turning platform.
+mod ground;
 /// Files that are broken, malicious or of another kind.
 mod hostile;
 /// Legs of any length, balls, boxes, and how long a recovery takes.
@@ -32,3 +36,5 @@ mod rigs;
 mod stepper;
 /// Rigs and motions made by hand for the modules above.
 mod synthetic;
+/// Walking: speeds, the paper's cases, pushes, turns, sizes.
+mod walking;

@@ -19,10 +19,14 @@ use glam::{DQuat, DVec2, DVec3};
 
 /// rad, dorsiflexion past which the heel comes up: a little inside of the ankle's range of 30 degrees.
 const DORSIFLEXION: f64 = 26.0 * std::f64::consts::PI / 180.0;
+/// rad, the same of a walker, whose heel leaves sooner.
+const WALKING_DORSIFLEXION: f64 = 13.0 * std::f64::consts::PI / 180.0;
 /// s, the longest that a foot stays on its ball after landing: longer, and the weight behind it has nothing to stand on.
 const LONGEST_SETTLE: f64 = 0.16;
 /// Part of the way from ankle to ball that the pressure must be past before the heel may rise early.
 const WEIGHT_AHEAD: f64 = 0.6;
+/// m, from which height on a step is one of stairs.
+const STAIR: f64 = 0.05;
 /// rad, dorsiflexion with which a foot may land.
 const LANDING_FLEXION: f64 = 16.0 * std::f64::consts::PI / 180.0;
 /// rad.
@@ -156,9 +160,10 @@ impl FootCurves {
                     let time = index as f64 * dt;
                     let forwards = lean(index, &swing.from);
                     let pitch = swing.pitch(time);
-                    if swing.onward && ahead(index, &swing.from) > 0.0 && forwards - pitch > DORSIFLEXION {
+                    let most = if swing.walks { WALKING_DORSIFLEXION } else { DORSIFLEXION };
+                    if swing.onward && ahead(index, &swing.from) > 0.0 && forwards - pitch > most {
                         swing.heel_off = swing.heel_off.max((swing.lift - time + 0.05).min(swing.lift - before));
-                        swing.peak = swing.peak.max((forwards - DORSIFLEXION + 0.10).min(MOST_PITCH));
+                        swing.peak = swing.peak.max((forwards - most + 0.10).min(MOST_PITCH));
                     }
                 }
                 // The leg lands as its shank leans: reaching ahead heel first, under the body flat, behind it ball first.
@@ -307,12 +312,14 @@ impl FootPath {
             } else {
                 level * self.pivot
             };
-        let mut pivot = first + (last - first) * go + swing.aside * bump(u);
+        let (over, up) = match terrain.kind {
+            GroundKind::Stairs { .. } if (last.y - first.y).abs() > STAIR => {
+                clearance::stair(u, last.y > first.y).into()
+            }
+            _ => (go, go),
+        };
+        let mut pivot = first + (last - first) * DVec3::new(over, up, over) + swing.aside * bump(u);
         pivot.y += swing.clearance * bump(u + 0.2 * u * (1.0 - u));
-        if let GroundKind::Stairs { .. } = terrain.kind {
-            // Up a stair before it is reached, down again when it is passed.
-            pivot.y += (last.y - first.y) * (clearance::stair(u, last.y > first.y) - go);
-        }
         pivot.y += swing.raise.at(u);
         // The toes straighten over most of the swing, and are flat again for a strike with the ball.
         let mut straight = smooth3(u / 0.85);

@@ -10,7 +10,9 @@ use crate::stepper::{Plant, Step};
 use glam::{DMat3, DVec2, DVec3};
 
 /// s, standard deviation of the smoothing of the ground's height under the body.
-const SMOOTHING: f64 = 0.08;
+const SMOOTHING: f64 = 0.2;
+/// How far the lower foot counts for more: 0 both alike, 1 it alone. A leg bends more easily than it grows.
+const LOWER: f64 = 0.7;
 /// m, that a sole keeps from a riser.
 const RISER_GAP: f64 = 0.01;
 
@@ -87,8 +89,11 @@ pub fn bases(body: &Body, terrain: &Terrain, start: &[Plant; 2], steps: &[Step],
             ankle(&step.from) + (ankle(&step.to) - ankle(&step.from)) * share
         })
     };
-    let raw: Vec<f64> =
-        (0..count).map(|index| Side::BOTH.map(|side| 0.5 * height(side, index as f64 * dt)).iter().sum()).collect();
+    let carried = |time: f64| {
+        let [left, right] = Side::BOTH.map(|side| height(side, time));
+        0.5 * (left + right) - 0.5 * LOWER * (left - right).abs()
+    };
+    let raw: Vec<f64> = (0..count).map(|index| carried(index as f64 * dt)).collect();
     let reach = (3.0 * SMOOTHING / dt).ceil() as isize;
     let last = count as isize - 1;
     let at = |index: isize| raw[index.clamp(0, last) as usize];

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 /// m: a frame is put in where a planted foot is off by more between frames.
 const BISECT: f64 = 0.05e-3;
 /// m: keys are put back where a planted foot is off by more after reduction.
-const SLIP: f64 = 0.15e-3;
+const SLIP: f64 = 0.10e-3;
 /// rad: and in the legs and what carries them, 0.02 degrees.
 const LEG_TOLERANCE: f64 = 0.02 * std::f64::consts::PI / 180.0;
 /// m: and in translations.

@@ -23,6 +23,10 @@ const RISES: f64 = 0.04;
 const LANDING: f64 = 0.2;
 /// s, time in which a sinking that nothing holds comes up again (for a centre of mass at 0.96 m).
 const RISE: f64 = 0.11;
+/// Part of the leg that a walker's centre of mass travels up and down at most.
+const TRAVEL: f64 = 0.072;
+/// s, the same of a walker.
+const STRIDE: f64 = 0.085;
 /// Weight of a sample whose need is not met, against the squared acceleration: it pushes up only.
 const HOLD: f64 = 3e11;
 /// m, how far over the need the lowering aims, so that the soft hold still meets it.
@@ -33,12 +37,28 @@ const ROUNDS: usize = 24;
 /// Computes the lowering afresh from the poses that the present one gave. `scale`: times relative to the reference body.
 pub fn lower_into_reach(timeline: &mut Timeline, solved: &[Solved], scale: f64) {
     let need: Vec<f64> = solved.iter().enumerate().map(|(index, pose)| need_at(timeline, index, pose)).collect();
+    let need = bounded(&need, timeline);
     let first = (timeline.still_until / timeline.dt).round() as usize;
     timeline.lowering = if need.iter().all(|need| *need == 0.0) {
         vec![0.0; need.len()]
     } else {
-        gentlest(&need, first, timeline.dt, RISE * scale)
+        let rise: Vec<f64> =
+            timeline.walking.iter().map(|walking| scale * (RISE + (STRIDE - RISE) * walking)).collect();
+        gentlest(&need, first, timeline.dt, &rise)
     };
+}
+
+/// Needs under 0 (a walker may rise) held to what people's centres of mass travel up and down.
+fn bounded(need: &[f64], timeline: &Timeline) -> Vec<f64> {
+    let around = (0.5 / timeline.dt).round() as usize;
+    let travel = TRAVEL * timeline.anatomy.legs[0].length();
+    (0..need.len())
+        .map(|index| {
+            let near = &need[index.saturating_sub(around)..(index + around + 1).min(need.len())];
+            let deepest = near.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            if timeline.walking[index] > 0.0 { need[index].max(deepest - travel) } else { need[index] }
+        })
+        .collect()
 }
 
 /// m, lowering that the planted feet ask for at one entry, counted from no lowering at all.
@@ -66,7 +86,7 @@ fn need_at(timeline: &Timeline, index: usize, pose: &Solved) -> f64 {
 }
 
 /// The lowering of least acceleration over `need` (m a sample), constant up to sample `first` (zero on level feet), rising again within `rise` s.
-fn gentlest(need: &[f64], first: usize, dt: f64, rise: f64) -> Vec<f64> {
+fn gentlest(need: &[f64], first: usize, dt: f64, rise: &[f64]) -> Vec<f64> {
     let count = need.len();
     // On uneven feet the stand itself is lower.
     let still = need[..=first.min(count - 1)].iter().copied().fold(f64::MIN, f64::max);
@@ -76,14 +96,13 @@ fn gentlest(need: &[f64], first: usize, dt: f64, rise: f64) -> Vec<f64> {
     let mut lowering = vec![0.0; count];
     let floor = need.iter().copied().fold(0.0, f64::min);
     let bend = 1.0 / (dt * dt);
-    let back = (1.0 / (rise * rise)).powi(2);
     for _ in 0..ROUNDS {
         let mut system = BandedLeastSquares::new(count, 2);
         for index in 0..count {
             if index + 2 < count {
                 system.equation(index, &[bend, -2.0 * bend, bend], 0.0, 1.0);
             }
-            system.equation(index, &[1.0], need[index].min(0.0), back);
+            system.equation(index, &[1.0], need[index].min(0.0), rise[index].powi(-4));
             if index <= first {
                 system.equation(index, &[1.0], still, 10.0 * HOLD);
             } else if held[index] {
@@ -115,7 +134,7 @@ mod tests {
     fn the_lowering_meets_the_need_starts_after_the_push_and_stays_gentle() {
         let (dt, first) = (0.01, 60);
         let need: Vec<f64> = (0..300).map(|i| if (95..120).contains(&i) { 0.10 } else { -0.01 }).collect();
-        let low = gentlest(&need, first, dt, 0.11);
+        let low = gentlest(&need, first, dt, &[0.11; 300]);
         for (index, (have, want)) in low.iter().zip(&need).enumerate() {
             assert!(have + 1e-4 >= *want, "sample {index}: {have} under {want}");
         }

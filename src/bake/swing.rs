@@ -25,6 +25,7 @@ pub(super) struct Swing {
     pub(super) peak_after: f64,
     pub(super) peak: f64,    // rad, largest pitch, a little after lift
     pub(super) strike: f64,  // rad, pitch at landing: below 0 heel first, over 0 ball first
+    pub(super) walks: bool,  // one of the gait
     pub(super) onward: bool, // it goes forwards: the weight is on the ball before it leaves
     pub(super) clearance: f64,
     pub(super) aside: DVec3, // horizontal detour at mid-swing, m
@@ -81,6 +82,7 @@ impl Swing {
             heel_off,
             settle,
             peak_after,
+            walks,
             onward: forward > 0.1,
             peak: peak.to_radians().min(fastest / scale.max(1.0) * (heel_off + peak_after)),
             strike: strike.to_radians(),

@@ -189,9 +189,13 @@ fn stride(
     let along = way.try_normalize()?;
     let feet = body.feet.each_ref();
     let ankle = |sample: usize, side: Side| track.positions(sample)[feet[side as usize].ankle];
-    let before = events[side.other() as usize].iter().rev().find(|(down, _)| *down < start - 1e-6)?.0;
-    let before = track.motion.samples_in(before, end).start;
-    let apart = flat(ankle(first, side) - ankle(before, side.other()));
+    // The other foot's touchdown before this one; where it lies outside of the motion, the one after.
+    let others = &events[side.other() as usize];
+    let from = track.motion.time(0);
+    let other = others.iter().rev().find(|(down, _)| *down < start - 1e-6 && *down > from + 1e-6);
+    let later = others.iter().find(|(down, _)| *down > start);
+    let other_down = track.motion.samples_in(other.or(later)?.0, end).start;
+    let apart = flat(ankle(first, side) - ankle(other_down, side.other())) * if other.is_some() { 1.0 } else { -1.0 };
     let both: f64 = events[side.other() as usize]
         .iter()
         .map(|(from, to)| (to.min(lift) - from.max(start)).max(0.0) + (to.min(end) - from.max(end)).max(0.0))

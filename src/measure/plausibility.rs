@@ -25,7 +25,8 @@ pub struct Findings {
     pub zmp: ZmpFindings,
     /// How it ends.
     pub balance: Balance,
-    /// 99th percentile, over moving samples with contact, of tangential over normal force needed of the ground.
+    /// 99th percentile, over moving samples with contact (or all of them where that is more), of tangential over normal force
+    /// needed of the ground.
     pub friction_p99: f64,
     /// Least force needed along the ground's normal, over samples with contact, in body weights.
     pub vertical_min: f64,
@@ -232,19 +233,21 @@ const LEAST_LEG_DISTANCE: f64 = 0.08;
 
 /// (99th percentile of the friction needed, least normal force in body weights).
 fn ground_forces(dynamics: &Dynamics, supports: &[Option<Support>], units: Units) -> (f64, f64) {
-    let mut friction: Vec<f64> = Vec::new();
+    // A stand on a slope needs friction too: over all samples where that is more.
+    let (mut friction, mut all): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
     let mut least = f64::INFINITY;
     for (sample, support) in supports.iter().enumerate() {
         let Some(support) = support else { continue };
         let force = dynamics.needed[sample].force;
         let normal = force.dot(support.normal);
         least = least.min(normal / units.weight);
+        let tangent = (force - support.normal * normal).length();
+        all.push(tangent / normal.max(0.05 * units.weight));
         if dynamics.velocity[sample].length() > MOVING_SPEED {
-            let tangent = (force - support.normal * normal).length();
-            friction.push(tangent / normal.max(0.05 * units.weight));
+            friction.extend(all.last());
         }
     }
-    (percentile(&friction, 0.99), if least.is_finite() { least } else { 0.0 })
+    (percentile(&friction, 0.99).max(percentile(&all, 0.99)), if least.is_finite() { least } else { 0.0 })
 }
 
 #[cfg(test)]

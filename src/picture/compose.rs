@@ -6,12 +6,13 @@
 //! above with the front camera's right.
 
 use super::figure::flat;
+use super::ground::GroundLook;
 use super::marks::{self, Overlay};
 use super::paint::{self, Ink};
 use super::plan;
 use super::raster::{Camera, Canvas, Lights, Surface};
 use super::shadow::GroundShadow;
-use super::stage::Stage;
+use super::stage::{self, Stage};
 use super::text::{self, Face, Pen};
 use glam::{DVec2, DVec3};
 use image::{Rgba, RgbaImage, imageops};
@@ -166,9 +167,16 @@ fn picture(frame: &Frame, camera: &Camera, width: usize, height: usize) -> RgbaI
         let shadow = GroundShadow::cast_over(&frame.surfaces, lamp, &near);
         let dark = |point: DVec3| shadow.as_ref().map_or(0.0, |shadow| shadow.on(point));
         canvas.sky(camera);
+        let foot = frame.overlay.com.map_or(DVec3::ZERO, |com| DVec3::new(com.x, level, com.z));
         for (surface, turn) in &stage.ground {
             let back = turn.inverse();
-            canvas.ground(camera, &lights, surface, &|point| flat(back * point), &dark);
+            let cut = |point: DVec3| stage::hides(point, foot, camera.eye);
+            canvas.ground(
+                camera,
+                &lights,
+                surface,
+                &GroundLook { squares: &|point| flat(back * point), dark: &dark, cut: &cut },
+            );
         }
         marks::draw_ground(&mut canvas, camera, &frame.overlay);
     }

@@ -7,6 +7,7 @@
 pub mod clip_plot;
 pub mod compose;
 pub mod figure;
+pub mod ground;
 pub mod marks;
 pub mod moments;
 pub mod paint;

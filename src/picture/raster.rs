@@ -4,6 +4,7 @@
 //! samples a pixel, and turned into sRGB once, at the end ([`Canvas::resolve`]). Triangles with a corner behind the camera
 //! are left out, not clipped: these cameras stand well away. No window, no GPU, no global state: equal input, equal bytes.
 
+use super::ground::tiles;
 use super::shadow::GroundShadow;
 use glam::{DMat3, DVec2, DVec3, Vec3};
 use image::{Rgba, RgbaImage};
@@ -94,30 +95,26 @@ impl Lights {
 
 /// A picture in the making: `SAMPLES` x `SAMPLES` samples a pixel.
 pub struct Canvas {
-    width: usize,
-    height: usize,
+    pub(super) width: usize,
+    pub(super) height: usize,
     /// Linear RGB a sample.
-    color: Vec<Vec3>,
+    pub(super) color: Vec<Vec3>,
     /// 1/m a sample: larger is nearer, 0 is the sky.
-    nearness: Vec<f32>,
+    pub(super) nearness: Vec<f32>,
     /// Whether the sample shows the body.
     body: Vec<bool>,
 }
 
 /// Samples a pixel in each direction.
-const SAMPLES: usize = 3;
+pub(super) const SAMPLES: usize = 3;
 /// m; nothing nearer than this is drawn.
 const NEAR: f64 = 0.05;
 /// m; the drawn ground lies that much lower, so that soles on it are in front of it.
-const GROUND_DROP: f64 = 0.004;
-/// m, the side of a square of the ground.
-pub const TILE: f64 = 0.25;
+pub(super) const GROUND_DROP: f64 = 0.004;
 
-const SKY_HIGH: Vec3 = Vec3::new(0.60, 0.68, 0.76);
-const SKY_LOW: Vec3 = Vec3::new(0.80, 0.84, 0.87);
-const TILE_LIGHT: Vec3 = Vec3::new(0.60, 0.63, 0.65);
-const TILE_DARK: Vec3 = Vec3::new(0.50, 0.535, 0.56);
-const SHADOW_TINT: Vec3 = Vec3::new(0.05, 0.065, 0.09);
+pub(super) const SKY_HIGH: Vec3 = Vec3::new(0.60, 0.68, 0.76);
+pub(super) const SKY_LOW: Vec3 = Vec3::new(0.80, 0.84, 0.87);
+pub(super) const SHADOW_TINT: Vec3 = Vec3::new(0.05, 0.065, 0.09);
 
 impl Canvas {
     /// An empty picture, in pixels.
@@ -150,61 +147,6 @@ impl Canvas {
                     self.nearness[first..first + SAMPLES].fill(nearness);
                 }
             }
-        }
-    }
-
-    /// Sky alone, with haze under the horizon: for a ground that is drawn as triangles.
-    pub fn sky(&mut self, camera: &Camera) {
-        let columns = self.width * SAMPLES;
-        for y in 0..self.height {
-            for x in 0..self.width {
-                let ray = camera.ray(DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
-                let color = SKY_LOW.lerp(SKY_HIGH, (ray.normalize().y / 0.45).clamp(0.0, 1.0) as f32);
-                for row in y * SAMPLES..(y + 1) * SAMPLES {
-                    let first = row * columns + x * SAMPLES;
-                    self.color[first..first + SAMPLES].fill(color);
-                }
-            }
-        }
-    }
-
-    /// Triangles of the ground, lit, with its squares: `squares` gives the place in them of a point of space; `dark` how
-    /// much shadow lies on it, 0..1. They are drawn a little lower, as the flat ground is.
-    pub fn ground(
-        &mut self,
-        camera: &Camera,
-        lights: &Lights,
-        surface: &Surface,
-        squares: &dyn Fn(DVec3) -> DVec2,
-        dark: &dyn Fn(DVec3) -> f32,
-    ) {
-        let drop = DVec3::Y * GROUND_DROP;
-        for triangle in surface.indices.chunks_exact(3) {
-            let corners = [0, 1, 2].map(|at| surface.positions.get(triangle[at] as usize).copied());
-            let [Some(a), Some(b), Some(c)] = corners else { continue };
-            let projected = [a, b, c].map(|corner| camera.project(corner - drop));
-            let [Some(pa), Some(pb), Some(pc)] = projected else { continue };
-            let flat = (b - a).cross(c - a).normalize_or(DVec3::Y);
-            if flat.dot(a - camera.eye) > 0.0 {
-                continue;
-            }
-            let smooth = surface.normals.len() == surface.positions.len();
-            let normals = [0, 1, 2].map(|at| if smooth { surface.normals[triangle[at] as usize] } else { flat });
-            self.fill([pa, pb, pc], |canvas, sample, nearness, weights| {
-                if nearness <= canvas.nearness[sample] {
-                    return;
-                }
-                let mix = |of: [DVec3; 3]| (0..3).map(|at| of[at] * f64::from(weights[at])).sum::<DVec3>();
-                let (point, normal) = (mix([a, b, c]), mix(normals).normalize_or(flat).as_vec3());
-                let covers = DVec2::splat(1.0 / (f64::from(nearness) * camera.focal * SAMPLES as f64));
-                let upright = (normal.y - 0.2).clamp(0.0, 0.1) * 10.0;
-                let tile = tiles(squares(point), covers).lerp(TILE_DARK * 0.8, 1.0 - upright);
-                // Level ground is as bright as the flat one.
-                let level = shade(Vec3::ONE, Vec3::Y, lights);
-                let color = tile * shade(Vec3::ONE, normal, lights) / level;
-                canvas.color[sample] = color.lerp(SHADOW_TINT, dark(point));
-                canvas.nearness[sample] = nearness;
-            });
         }
     }
 
@@ -377,7 +319,11 @@ impl Canvas {
     }
 
     /// Visits the samples of a triangle: sample, 1/depth, perspective-correct weights of the corners.
-    fn fill(&mut self, corners: [(DVec2, f64); 3], mut visit: impl FnMut(&mut Canvas, usize, f32, [f32; 3])) {
+    pub(super) fn fill(
+        &mut self,
+        corners: [(DVec2, f64); 3],
+        mut visit: impl FnMut(&mut Canvas, usize, f32, [f32; 3]),
+    ) {
         let scale = SAMPLES as f64;
         let [a, b, c] = corners.map(|(point, _)| point * scale - 0.5);
         let area = (b - a).perp_dot(c - a);
@@ -447,15 +393,8 @@ fn backdrop(camera: &Camera, pixel: DVec2) -> Vec3 {
     color.lerp(SKY_LOW, fade as f32)
 }
 
-/// The squares and lines of the ground at a place, m, averaged over `covers`.
-fn tiles(at: DVec2, covers: DVec2) -> Vec3 {
-    let square = checker(at.x, covers.x) * checker(at.y, covers.y);
-    let color = TILE_DARK.lerp(TILE_LIGHT, (0.5 + 0.5 * square) as f32);
-    color * (1.0 - 0.20 * grid_line(at.x, covers.x).max(grid_line(at.y, covers.y)) as f32)
-}
-
 /// Hemisphere, key light, a little sheen and rim.
-fn shade(albedo: Vec3, normal: Vec3, lights: &Lights) -> Vec3 {
+pub(super) fn shade(albedo: Vec3, normal: Vec3, lights: &Lights) -> Vec3 {
     let [key, view, half] = lights.shading;
     let up = 0.5 + 0.5 * normal.y;
     let ambient = Vec3::new(0.24, 0.23, 0.22).lerp(Vec3::new(0.50, 0.55, 0.62), up);
@@ -465,27 +404,6 @@ fn shade(albedo: Vec3, normal: Vec3, lights: &Lights) -> Vec3 {
     let sheen = normal.dot(half).max(0.0).powi(24) * 0.07;
     let rim = (1.0 - normal.dot(view).max(0.0)).powi(4) * 0.05;
     albedo * (ambient + Vec3::new(0.86, 0.82, 0.76) * diffuse) + Vec3::splat(sheen + rim)
-}
-
-/// +1 on even squares, -1 on odd ones, averaged over `width`.
-fn checker(at: f64, width: f64) -> f64 {
-    // The integral of the square wave is a triangle wave.
-    let integral = |x: f64| {
-        let phase = (x / (2.0 * TILE)).rem_euclid(1.0);
-        TILE * (1.0 - (2.0 * phase - 1.0).abs())
-    };
-    let width = width.max(1e-4);
-    ((integral(at + width / 2.0) - integral(at - width / 2.0)) / width).clamp(-1.0, 1.0)
-}
-
-/// The share of `width` that a line at every whole metre takes.
-fn grid_line(at: f64, width: f64) -> f64 {
-    let thick = 0.016;
-    let width = width.max(1e-4);
-    let off = (at - at.round()).abs();
-    let low = (off - width / 2.0).max(-thick / 2.0);
-    let high = (off + width / 2.0).min(thick / 2.0);
-    ((high - low) / width).clamp(0.0, 1.0)
 }
 
 /// Repeating; bilinear where the texture is coarse (the samples of a pixel average a fine one): linear RGB and alpha.

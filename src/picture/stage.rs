@@ -7,7 +7,10 @@ use crate::model::props::{Mesh, Prop};
 use glam::{DQuat, DVec2, DVec3};
 
 /// m; longer edges of the ground are split, so that what reaches behind the camera is left out by small pieces.
-const LONGEST_EDGE: f64 = 0.6;
+const LONGEST_EDGE: f64 = 0.35;
+
+/// m before the body, from where on ground that hides it is left out.
+const CUT: f64 = 0.45;
 
 /// What stands around the body.
 #[derive(Clone, Debug, Default)]
@@ -61,6 +64,14 @@ impl Stage {
         }
         highest.unwrap_or(0.0)
     }
+}
+
+/// Does ground at a point hide what stands at `foot` from an eye? There it is cut open, before the body.
+pub fn hides(point: DVec3, foot: DVec3, eye: DVec3) -> bool {
+    let (sight, off) = (eye - foot, point - foot);
+    let ahead = DVec2::new(sight.x, sight.z);
+    let near = DVec2::new(off.x, off.z).dot(ahead.normalize_or_zero());
+    near > CUT && off.y > 0.02 + (near - CUT) * sight.y / ahead.length().max(1e-6)
 }
 
 /// m, the height of a triangle over (x, z), if it is there.

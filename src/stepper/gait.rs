@@ -6,10 +6,10 @@
 //! that pivot the paper's formula gives the step's length. Sources: Kenwright (2013), step distance with residual
 //! speed; Hof (2008), steady gait by the extrapolated centre of mass; Sekiya (1997), walk ratio.
 
-use super::{Params, Physique, Plant, State, support};
+use super::{Params, Physique, support};
 use crate::maths::pendulum;
 use crate::model::Side;
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 /// One step of a steady gait.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,16 +24,24 @@ pub struct Rhythm {
     pub roll: [f64; 2],
 }
 
-/// The rhythm in which people walk at that velocity, m/s (x, z).
-pub fn rhythm(params: &Params, physique: &Physique, ahead: DVec2, velocity: DVec2) -> Rhythm {
+/// The rhythm in which people walk at that velocity, m/s (x, z), and turn at that rate, rad/s, where no step is longer
+/// than `longest` m.
+pub fn rhythm(
+    params: &Params,
+    physique: &Physique,
+    ahead: DVec2,
+    velocity: DVec2,
+    (turn, longest): (f64, f64),
+) -> Rhythm {
     let pace = velocity * (params.tempo / params.size); // of the reference body
     let speed = pace.length();
     let way = pace / speed.max(1e-9);
     let (along, across) = (way.dot(ahead), way.perp_dot(ahead));
     let forward = if along > 0.0 { 0.0065 } else { 0.0050 };
     let ratio = forward * along * along + 0.0018 * across * across; // m per step/min
-    let cadence = (60.0 * speed / ratio.max(1e-4)).sqrt().max(66.0);
-    let step = 60.0 / cadence;
+    let spin = (turn.abs() * params.tempo).min(1.0);
+    let cadence = (60.0 * speed / ratio.max(1e-4)).sqrt().max(66.0 + 36.0 * spin);
+    let step = (60.0 / cadence).min(longest / params.size / speed.max(1e-9));
     let share = (0.24 - 0.133 * (speed - 1.2)).clamp(0.14, 0.36);
     let travel = speed * step * across.abs() * params.size;
     let foot = physique.tip - physique.heel;
@@ -44,7 +52,7 @@ pub fn rhythm(params: &Params, physique: &Physique, ahead: DVec2, velocity: DVec
     Rhythm {
         step: step * params.tempo,
         double: if params.rolls { share * step * params.tempo } else { 0.0 },
-        width: params.step_width + travel,
+        width: params.step_width + 0.06 * params.size * spin * (1.0 - speed).max(0.0) + travel,
         roll: [mid - half, mid + half],
     }
 }
@@ -74,8 +82,16 @@ pub struct Pivot {
     pub shares: [f64; 2],
     /// m, what the roll adds, (x, z).
     pub rolled: DVec2,
-    /// m, how far ξ must be from it at touchdown, (x, z).
+    /// m, how far ξ is from it at touchdown in the steady gait, (x, z).
     pub lead: DVec2,
+    /// m, the same at the next touchdown, of the other foot.
+    pub then: DVec2,
+    /// m, from this landing to the next, (x, z).
+    pub stride: DVec2,
+    /// e^-ωT.
+    pub decay: f64,
+    /// Unit vector to the pelvis's left.
+    pub aside: DVec2,
 }
 
 /// The effective pivot of the step that begins when `side` lands beside a foot of yaw `rear_yaw`, and ξ's lead on it
@@ -90,16 +106,19 @@ pub fn pivot(
 ) -> Pivot {
     let [first, second] = weights(omega, 0.0, rhythm.double);
     let [third, fourth] = weights(omega, rhythm.double, rhythm.step - rhythm.double);
-    let all = 1.0 - (-omega * rhythm.step).exp();
+    let decay = (-omega * rhythm.step).exp();
+    let all = 1.0 - decay;
     let [early, late] = rhythm.roll;
     let toe = support::forward(yaw);
     let rolled = support::forward(rear_yaw) * (first * late) + toe * ((second + third) * early + fourth * late);
-    let grown = (omega * rhythm.step).exp();
+    let rolled = rolled / all;
     let shares = [first / all, (second + third + fourth) / all];
     let aside = DVec2::new(ahead.y, -ahead.x);
     let next = -aside * (side.sign() * rhythm.width);
-    let lead = velocity * (rhythm.step / (grown - 1.0)) + next * ((shares[1] - shares[0]) / (1.0 + grown));
-    Pivot { shares, rolled: rolled / all, lead }
+    let mirrored = next * (shares[1] - shares[0]) - aside * (2.0 * rolled.dot(aside));
+    let (along, across) = (velocity * (rhythm.step * decay / all), mirrored * (decay / (1.0 + decay)));
+    let (lead, then) = (along + across, along - across);
+    Pivot { shares, rolled, lead, then, stride: velocity * rhythm.step + next, decay, aside }
 }
 
 impl Pivot {
@@ -108,8 +127,8 @@ impl Pivot {
         rear * self.shares[0] + ankle * self.shares[1] + self.rolled + self.lead
     }
 
-    /// The landing for a body that is at `com` with `velocity` at touchdown: along the way by the paper's step distance
-    /// with the apex speed that belongs to the lead, across it by the lead itself.
+    /// The landing after which the next one will be a steady one, for a body that is at `com` with `velocity` at
+    /// touchdown: along the way by the paper's step distance with the apex speed that belongs to it.
     pub fn landing(
         &self,
         rear: DVec2,
@@ -117,7 +136,12 @@ impl Pivot {
         (omega, height, rise): (f64, f64, f64),
         way: DVec2,
     ) -> DVec2 {
-        let wanted = velocity / omega - self.lead;
+        let mirror = |of: DVec2| of - self.aside * (2.0 * of.dot(self.aside));
+        let fixed = rear * self.shares[0] + self.rolled;
+        let then = self.stride * self.shares[1] + mirror(self.rolled) + self.then; // the next landing is a steady one
+        let [kept, gone] = [1.0 - self.decay, self.decay];
+        let ankle = (com + velocity / omega - fixed * kept - then * gone) / (self.shares[1] * kept + gone);
+        let wanted = fixed + ankle * self.shares[1] - com;
         let (speed, level) = (velocity.dot(way), wanted.dot(way));
         // the apex speed that the vault over a level step leaves
         let residual = speed * speed - 2.0 * pendulum::GRAVITY * (height.hypot(level) - height);
@@ -126,12 +150,6 @@ impl Pivot {
         } else {
             level
         };
-        let over = com + wanted + way * (distance - level);
-        (over - self.rolled - rear * self.shares[0]) / self.shares[1]
+        ankle + way * ((distance - level) / self.shares[1])
     }
-}
-
-/// Where a walking foot points and stands.
-pub fn plant(physique: &Physique, state: &State, side: Side, ankle: DVec2) -> Plant {
-    Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), state.facing + side.sign() * physique.toe_out)
 }

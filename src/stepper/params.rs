@@ -121,6 +121,8 @@ pub struct Params {
     pub trail: f64,       // m, the trailing foot starts when the centre of mass is so far from it and leaving
     pub lift_height: f64, // m, of the swinging ankle
     // Gait.
+    pub twist_most: f64,  // rad, a turn that leaves the feet behind by more is stepped
+    pub turned: f64,      // rad, and by less than so is done
     pub rolls: bool,      // the pressure rolls under the feet
     pub ramp: f64,        // m/s2, of the commanded velocity
     pub step_width: f64,  // m, between the ankles' lines
@@ -128,6 +130,7 @@ pub struct Params {
     pub stumble: f64,     // m, a wanted landing so far out of reach wants a corrective step
     pub brief: f64,       // s, the swings of the first and the last step are no longer than so
     pub least_swing: f64, // s, a hasty swing of the gait
+    pub transfer: f64,    // share of the rear foot in the pivot of the step that stops
     pub walk_gain: f64,   // of ankle feedback on ξ at touchdown
     pub leg_change: bool, // legs give and stretch
     // Comfort.
@@ -210,6 +213,8 @@ impl Params {
             trail: 0.36 * physique.leg_length,
             lift_height: (0.05 + 0.08 * style.step_height.clamp(0.0, 1.0)) * size,
             rolls: style.ankle_feedback,
+            twist_most: 0.35,
+            turned: 0.12,
             ramp: 0.8 * pace / tempo,
             step_width: (0.10 * size).max(2.0 * physique.half_width + 0.005 * size),
             step_gap: (0.09 * size).max(2.0 * physique.half_width),
@@ -217,6 +222,7 @@ impl Params {
             least_swing: dial(0.34, 0.28, 0.20) * tempo,
 
             brief: 0.45 * tempo,
+            transfer: 0.14,
             walk_gain: 0.7,
             leg_change: style.leg_change,
             stagger: 0.05 * size,

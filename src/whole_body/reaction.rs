@@ -71,6 +71,8 @@ pub struct Reaction {
     pelvis_yaw: Spring,     // relative to facing, left positive
     list: Spring,           // pelvis drop on the right positive
     stride: Stride,         // what walking adds
+    walked: f64,            // 0..1, walks or did until a moment ago
+    shoved: f64,            // m/s that pushes gave, fading
     alarm: f64,             // 0..1
     alarm_line: Vec<f64>,   // raw alarm of the last ticks, newest last
     fall: DVec2,            // smoothed direction of the fall (left, forward)
@@ -90,6 +92,8 @@ impl Reaction {
             pelvis_yaw: Spring::default(),
             list: Spring::default(),
             stride: Stride::default(),
+            walked: 0.0,
+            shoved: 0.0,
             alarm: 0.0,
             alarm_line: Vec::new(),
             fall: DVec2::ZERO,
@@ -183,6 +187,11 @@ impl Reaction {
             local(DVec3::new(unmeant.x, 0.0, unmeant.y)) * (self.physique.com_height / self.physique.leg_length);
         let off = standing.lerp(strayed, walking);
         let raw = ((off.length() - 0.035 - 0.07 * walking) / 0.24).clamp(0.0, 1.0);
+        // Nobody is alarmed by his own starting and stopping.
+        self.walked = walking.max(self.walked - dt / (2.0 * scale));
+        self.shoved = self.shoved * (-dt / (1.5 * scale)).exp() + senses.push.length() / self.physique.mass * dt;
+        let pace = (GRAVITY * self.physique.com_height).sqrt();
+        let raw = raw * (self.shoved / (0.05 * pace)).min(1.0).max(1.0 - self.walked);
         self.alarm_line.push(raw);
         let delay = ((0.12 + 0.02 * self.personality.arms_delay) * scale / dt).round() as usize;
         let heard =

@@ -7,7 +7,7 @@
 use std::path::PathBuf;
 use surefoot::bake::{BakeOptions, bake, contacts};
 use surefoot::measure::gait::{Gait, gait};
-use surefoot::measure::{HeldContact, Motion, Track};
+use surefoot::measure::{Frame, HeldContact, Motion, Track};
 use surefoot::model::report::Part;
 use surefoot::model::scenario::{Scenario, Walk};
 use surefoot::model::{BodyPose, Clip, Side};
@@ -80,7 +80,7 @@ fn walked(rig: &Rig, speed: f64) -> Option<Gait> {
     let baked = bake(rig, &scenario, &BakeOptions::default()).ok()?;
     let poses = sampled(rig, &baked.clip, HZ);
     let motion = Motion { body: &baked.performance.timeline.body, hz: HZ, per_frame: 4, poses: &poses };
-    gait(&Track::new(motion)?, &contacts::held(&baked.performance.contacts), 3.0, 7.0)
+    gait(&Track::new(motion)?, &contacts::held(&baked.performance.contacts, Frame::World), 3.0, 7.0)
 }
 
 fn sampled(rig: &Rig, clip: &Clip, hz: f64) -> Vec<BodyPose> {
@@ -120,6 +120,7 @@ fn captured(data: &std::path::Path) -> Option<(Gait, f64)> {
                         end: time,
                         point: glam::DVec3::ZERO,
                         normal: glam::DVec3::Y,
+                        frame: Frame::World,
                     };
                     contacts.push(held);
                     since = None;
