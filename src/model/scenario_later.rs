@@ -4,13 +4,13 @@ use super::scenario::{Character, Scenario};
 use super::scenario_errors::Fault;
 
 impl Scenario {
-    /// What the scenario asks for that this version cannot bake: pushes and pulls are all there is.
+    /// What the scenario asks for that this version cannot bake.
     pub fn unavailable(&self) -> Vec<Fault> {
         let mut faults = Vec::new();
         let mut not_yet = |path: String, what: &str| {
             faults.push(Fault {
                 path,
-                message: format!("{what} not available yet: this version bakes push and pull"),
+                message: format!("{what} not available yet in this version"),
                 remedy: "take it out of the scenario for now".to_owned(),
             });
         };
@@ -37,7 +37,7 @@ impl Scenario {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::scenario::Walk;
+    use crate::model::scenario::Base;
 
     #[test]
     fn the_demo_can_be_baked() {
@@ -57,10 +57,10 @@ mod tests {
 
     #[test]
     fn what_cannot_be_baked_yet_is_named() {
-        let walk = Walk { start: 0.5, duration: None, speed: 1.0, heading: 0.0, facing: None };
-        let scenario = Scenario { walk: vec![walk], ..Scenario::demo() };
+        let base = Base { clip: Some("Idle".to_owned()), file: None };
+        let scenario = Scenario { base: Some(base), ..Scenario::demo() };
         let faults = scenario.unavailable();
-        assert_eq!(faults.iter().map(|fault| fault.path.as_str()).collect::<Vec<_>>(), ["walk.0"]);
-        assert!(faults[0].message.contains("not available yet: this version bakes push and pull"));
+        assert_eq!(faults.iter().map(|fault| fault.path.as_str()).collect::<Vec<_>>(), ["base"]);
+        assert!(faults[0].message.contains("not available yet in this version"));
     }
 }
