@@ -14,6 +14,8 @@ mod common;
 mod export;
 /// The same for rigs that nobody here made: slip, keys, the Khronos validator.
 mod export_real;
+/// The controller on slopes, stairs, gaps, rolling ground and a turning platform.
+mod ground;
 /// Files that are broken, malicious or of another kind.
 mod hostile;
 /// Slip, sole, joints, ZMP and the rest of the limits, on shoves of every rig.
@@ -32,3 +34,5 @@ mod rigs;
 mod stepper;
 /// Rigs and motions made by hand for the modules above.
 mod synthetic;
+/// Walking: speeds, the paper's cases, pushes, turns, sizes.
+mod walking;

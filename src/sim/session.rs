@@ -59,7 +59,7 @@ impl Session {
     /// At rest, the ankles' middle over the origin, facing +Z.
     pub fn new(physique: &Physique, terrain: &Terrain, style: &Style, dt: f64) -> Session {
         let params = Params::new(physique, style);
-        let state = State::standing(&params, physique, DVec2::ZERO, 0.0);
+        let state = State::standing(&params, physique, terrain, DVec2::ZERO, 0.0);
         let mut session =
             Session { params, physique: *physique, terrain: terrain.clone(), state, dt, last: still(&state) };
         session.last = session.record(&Inputs::default());
@@ -111,7 +111,7 @@ pub fn simulate_pushes(physique: &Physique, pushes: &[SessionPush], options: &Si
 /// where balance is lost.
 pub fn simulate(physique: &Physique, script: &Script, options: &SimulateOptions) -> Trace {
     let mut session = Session::new(physique, &script.terrain, &options.style, options.dt);
-    let start = session.state.feet;
+    let start = session.state.held;
     let planned = ticks_in(options.duration, options.dt);
     let most = planned + ticks_in(options.extra, options.dt);
     let mut ticks = Vec::with_capacity(planned.min(100_000) + 1);

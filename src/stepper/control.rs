@@ -1,9 +1,8 @@
 //! The tick: perceive, decide, plan, move the centre of pressure, integrate, land. Scenario space, SI units.
 
 use super::foothold::{ankles, middle};
-use super::support::{Support, Tread};
 use super::{Inputs, Params, Physique, State, Step, StepKind, Swing, TickOutput};
-use super::{balance::pressure, decide, ground, legs, roll, support, swing, walk};
+use super::{balance::pressure, decide, footing, ground, legs, roll, swing, turn, walk};
 use crate::maths::pendulum::GRAVITY;
 use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
@@ -12,7 +11,7 @@ use glam::{DVec2, DVec3};
 pub fn tick(
     params: &Params,
     physique: &Physique,
-    _terrain: &Terrain,
+    terrain: &Terrain,
     state: &mut State,
     inputs: &Inputs,
     dt: f64,
@@ -22,16 +21,16 @@ pub fn tick(
         return output;
     }
     perceive(params, physique, state, inputs, dt);
-    walk::steer(params, state, inputs, dt);
+    walk::steer(params, terrain, state, inputs, dt);
     if state.swing.is_none() {
-        let (walking, lifted) = walk::both_down(params, physique, state, inputs, dt);
+        let (walking, lifted) = walk::both_down(params, physique, terrain, state, inputs, dt);
         output.lifted = lifted;
         if !walking {
             decide::decide(params, physique, state);
-            output.lifted = decide::lift(params, physique, state, dt);
+            output.lifted = decide::lift(params, physique, terrain, state, dt);
         }
     }
-    decide::replan(params, physique, state, dt);
+    decide::replan(params, physique, terrain, state, dt);
     if let Some(cop) = roll::pressure(params, physique, state, dt) {
         state.cop = cop;
     } else {
@@ -41,7 +40,8 @@ pub fn tick(
     legs::integrate(params, physique, state, inputs, dt);
     state.tick += 1;
     state.time = state.tick as f64 * dt;
-    output.landed = advance(params, physique, state, dt);
+    output.landed = advance(params, physique, terrain, state, dt);
+    footing::carry(terrain, params, physique, state);
     judge(params, state, dt);
     output.lost = state.lost.is_some();
     output
@@ -56,12 +56,7 @@ fn perceive(params: &Params, physique: &Physique, state: &mut State, inputs: &In
     if state.felt.length() < 1e-9 * physique.mass {
         state.felt = DVec2::ZERO;
     }
-    let turn = wrap(inputs.facing - state.facing);
-    let most = 3.0 * dt / params.tempo;
-    if turn != 0.0 {
-        state.facing += turn.clamp(-most, most);
-        state.ahead = support::forward(state.facing);
-    }
+    turn::face(params, physique, state, inputs, dt);
     state.settled += dt;
     state.recovering += dt;
     let aim = middle(params, state.ahead, ankles(state));
@@ -76,7 +71,7 @@ fn perceive(params: &Params, physique: &Physique, state: &mut State, inputs: &In
 }
 
 /// Moves the swinging foot; sets it down when its time is up.
-fn advance(params: &Params, physique: &Physique, state: &mut State, dt: f64) -> Option<Step> {
+fn advance(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut State, dt: f64) -> Option<Step> {
     let swing = state.swing?;
     if state.time < swing.land - 0.5 * dt {
         state.feet[swing.side as usize] = swing::along(params, &swing, swing::phase(&swing, state.time));
@@ -84,9 +79,10 @@ fn advance(params: &Params, physique: &Physique, state: &mut State, dt: f64) -> 
     }
     state.feet[swing.side as usize] = swing.to;
     state.swing = None;
-    let feet = [&state.feet[0], &state.feet[1]];
-    state.outline = Support::two(params, physique, feet, [Tread::Whole; 2], 0.0);
-    state.inset = Support::two(params, physique, feet, [Tread::Whole; 2], params.margin);
+    let from = state.held[swing.side as usize];
+    let to = footing::to_ground(&swing.to, terrain.turn(state.time));
+    state.held[swing.side as usize] = to;
+    state.hold(params, physique);
     state.settled = 0.0;
     state.last = Some(swing.side);
     if swing.kind != StepKind::Comfort {
@@ -95,7 +91,7 @@ fn advance(params: &Params, physique: &Physique, state: &mut State, dt: f64) -> 
     if swing.kind == StepKind::Walk {
         walk::landed(params, physique, state, swing.side);
     }
-    let Swing { side, kind, lift, from, to, .. } = swing;
+    let Swing { side, kind, lift, .. } = swing;
     Some(Step { side, kind, lift, land: state.time, from, to })
 }
 

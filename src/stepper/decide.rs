@@ -5,11 +5,12 @@
 
 use super::balance::steady_lean;
 use super::foothold::{ankles, beside, corrective, middle_after};
+use super::footing::set_down;
 use super::support::{Support, Tread};
 use super::{Intent, Params, Passing, Physique, Plant, State, StepKind, Swing, Trigger};
 use super::{control::wrap, footfall, foothold, ground, swing};
 use crate::maths::pendulum;
-use crate::model::Side;
+use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
 
 /// What to do with both feet down.
@@ -102,7 +103,7 @@ fn choose(params: &Params, physique: &Physique, state: &State) -> Intent {
 }
 
 /// Lifts the foot that is meant to step, once it may.
-pub fn lift(params: &Params, physique: &Physique, state: &mut State, dt: f64) -> Option<Side> {
+pub fn lift(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut State, dt: f64) -> Option<Side> {
     let intent = state.intent?;
     let from = state.feet[intent.side as usize];
     let stance = state.feet[intent.side.other() as usize];
@@ -130,6 +131,9 @@ pub fn lift(params: &Params, physique: &Physique, state: &mut State, dt: f64) ->
     } else {
         beside(params, physique, state, intent.side)
     };
+    let land = state.time + ticks * dt;
+    let aim = ground(to.ankle);
+    let to = set_down(terrain, physique, aim, to.yaw, land);
     let ahead = state.ahead;
     let round = match intent.passing {
         Passing::Own => swing::round(ground(from.ankle), ground(to.ankle), ground(stance.ankle), -ahead),
@@ -140,9 +144,10 @@ pub fn lift(params: &Params, physique: &Physique, state: &mut State, dt: f64) ->
         side: intent.side,
         kind: intent.kind,
         lift: state.time,
-        land: state.time + ticks * dt,
+        land,
         from,
         to,
+        aim,
         passing: intent.passing,
         round,
         detour: swing::detour(ground(from.ankle), ground(to.ankle), ground(stance.ankle), round, params.gap),
@@ -190,7 +195,7 @@ fn followed(params: &Params, physique: &Physique, state: &State, side: Side, tim
 }
 
 /// Aims the swing at where it is needed now; the last quarter flies as planned.
-pub fn replan(params: &Params, physique: &Physique, state: &mut State, dt: f64) {
+pub fn replan(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut State, dt: f64) {
     let Some(mut swing) = state.swing else { return };
     if swing::phase(&swing, state.time) > 0.75 {
         return;
@@ -212,8 +217,8 @@ pub fn replan(params: &Params, physique: &Physique, state: &mut State, dt: f64) 
         Plant { ankle: DVec3::new(ankle.x, 0.0, ankle.y), ..comfortable }
     };
     let most = params.retarget * dt;
-    swing.to.ankle += (wanted.ankle - swing.to.ankle).clamp_length_max(most);
-    swing.to.yaw = wanted.yaw;
+    swing.aim += (ground(wanted.ankle) - swing.aim).clamp_length_max(most);
+    swing.to = set_down(terrain, physique, swing.aim, wanted.yaw, swing.land);
     let detour = swing::detour(ground(swing.from.ankle), ground(swing.to.ankle), stance, swing.round, params.gap);
     swing.detour += (detour - swing.detour).clamp_length_max(most);
     state.swing = Some(swing);

@@ -1,11 +1,12 @@
 //! Where and when a step of the gait lands: the wanted foothold bent to what legs can do, and sooner where it is out of
 //! reach. Ground plane (x, z), metres, seconds. Source of the timing: Khadiv (2016), step timing adjustment.
 
+use super::control::wrap;
 use super::gait::{self, Rhythm};
-use super::{Params, Physique, Plant, State, Swing, ground, support, swing, walk};
+use super::{Params, Physique, Plant, State, Swing, ground, support, swing, turn, walk};
 use crate::maths::pendulum;
 use crate::model::Side;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 /// A planned landing.
 #[derive(Clone, Copy, Debug)]
@@ -93,14 +94,24 @@ pub fn lean(params: &Params, physique: &Physique, state: &State) -> DVec2 {
     state.gait.lasting / (physique.mass * omega * omega)
 }
 
-/// The effective pivot of the step that `side` begins when it lands, and the lead that keeps the commanded velocity; the
-/// legs' length error shortens the step as the paper's bias.
-pub fn pivot(params: &Params, physique: &Physique, state: &State, rhythm: &Rhythm, side: Side) -> gait::Pivot {
+/// The effective pivot of the step that `side` begins when it lands `time` s from now, and the lead that keeps the
+/// commanded velocity; the legs' length error shortens the step as the paper's bias.
+pub fn pivot(
+    params: &Params,
+    physique: &Physique,
+    state: &State,
+    rhythm: &Rhythm,
+    side: Side,
+    time: f64,
+) -> gait::Pivot {
     let rear = &state.feet[side.other() as usize];
-    let yaws = [rear.yaw, state.facing + side.sign() * physique.toe_out];
-    let mut pivot = gait::pivot(rhythm, walk::omega(params, physique), side, yaws, state.ahead, state.gait.velocity);
+    let amid = turn::turned_in(state, time + 0.5 * rhythm.step);
+    let yaws = [rear.yaw, state.facing + amid + side.sign() * physique.toe_out];
+    let ahead = turn::rotated(state.ahead, amid);
+    let velocity = turn::rotated(state.gait.velocity, amid);
+    let mut pivot = gait::pivot(rhythm, walk::omega(params, physique), side, yaws, ahead, velocity);
     let slack = params.leg_bias * (physique.com_height - state.com.y);
-    let slack = state.gait.velocity.normalize_or_zero() * slack;
+    let slack = velocity.normalize_or_zero() * slack;
     pivot.lead += slack;
     pivot.then += slack;
     pivot
@@ -125,45 +136,49 @@ fn landing(
         cop += (end - cop) * (0.5 * gait.tick / left.max(gait.tick));
     }
     let (com, velocity) = touchdown(params, physique, state, rhythm, (side, cop), (wait, time));
-    let out = state.aside() * side.sign();
+    let amid = turn::turned_in(state, wait + time + 0.5 * rhythm.step);
+    let ahead = turn::rotated(state.ahead, amid);
+    let out = DVec2::new(ahead.y, -ahead.x) * side.sign();
     let wanted = if gait.last {
         let distance = pendulum::step_distance(velocity.length(), 0.0, state.com.y, 0.0);
         let stop = com + velocity.normalize_or_zero() * distance;
         // while the weight comes over from the rear foot, the fall goes on
         let late = rear + support::forward(stance.yaw) * rhythm.roll[1];
         let stop = stop + (stop - late) * (params.transfer / (1.0 - params.transfer));
-        let ankle = stop + out * (0.5 * params.width) - state.ahead * params.com_forward;
-        let past = (ankle - rear).dot(state.ahead);
-        let going = velocity.dot(state.ahead).signum();
+        let ankle = stop + out * (0.5 * params.width) - ahead * params.com_forward;
+        let past = (ankle - rear).dot(ahead);
+        let going = velocity.dot(ahead).signum();
         let near = past * going < 0.05 * params.size && past * going > -0.12 * params.size;
-        if near { ankle - state.ahead * past } else { ankle }
+        if near { ankle - ahead * past } else { ankle }
     } else {
-        let step = pivot(params, physique, state, rhythm, side);
-        let way = gait.velocity.normalize_or(state.ahead);
+        let step = pivot(params, physique, state, rhythm, side, wait + time);
+        let way = turn::rotated(gait.velocity, amid).normalize_or(ahead);
         step.landing(rear, (com, velocity), (walk::omega(params, physique), state.com.y.max(0.1), 0.0), way)
     };
     let (from, gone) = match state.swing {
         Some(swing) if swing.side == side => (ground(swing.from.ankle), state.time - swing.lift),
         _ => (ground(state.feet[side as usize].ankle), 0.0),
     };
-    let reach = |across: bool| bounded(params, physique, state, (wanted, from, rear, out), com, gone + time, across);
+    let reach = |across: bool| bounded(params, physique, ahead, (wanted, from, rear, out), com, gone + time, across);
     let (own, over) = (reach(false), reach(true));
     let [straight, crossed] = [own, over].map(|ankle| ankle.distance(wanted));
     let (ankle, off) = if crossed + 0.1 * params.size < straight { (over, crossed) } else { (own, straight) };
-    Footfall { plant: gait::plant(physique, state, side, ankle), off, wait, time }
+    let yaw = state.facing + amid + side.sign() * physique.toe_out;
+    let yaw = stance.yaw + wrap(yaw - stance.yaw).clamp(-1.0, 1.0);
+    Footfall { plant: Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), yaw), off, wait, time }
 }
 
 /// The nearest landing that legs can do in `fly` s: on the foot's own side, or across in front of the other one.
 fn bounded(
     params: &Params,
     physique: &Physique,
-    state: &State,
+    ahead: DVec2,
     (wanted, from, rear, out): (DVec2, DVec2, DVec2, DVec2),
     com: DVec2,
     fly: f64,
     across: bool,
 ) -> DVec2 {
-    let hip = com - state.ahead * params.com_forward + out * (0.5 * params.width);
+    let hip = com - ahead * params.com_forward + out * (0.5 * params.width);
     let far = params.ankle_speed * fly / swing::WALK_PEAK;
     let foot = physique.tip - physique.heel;
     let mut ankle = wanted;
@@ -171,10 +186,10 @@ fn bounded(
         ankle = hip + (ankle - hip).clamp_length_max(params.reach);
         ankle = from + (ankle - from).clamp_length_max(far);
         let relative = ankle - rear;
-        let (beside, before) = (relative.dot(out), relative.dot(state.ahead));
+        let (beside, before) = (relative.dot(out), relative.dot(ahead));
         if across {
             ankle += out * (-params.most_across - beside).max(0.0);
-            ankle += state.ahead * (params.pass + 0.5 * beside.max(0.0) - before).max(0.0);
+            ankle += ahead * (params.pass + 0.5 * beside.max(0.0) - before).max(0.0);
         } else {
             let past = (before.abs() / foot).min(1.0);
             ankle += out * (params.step_gap * (1.0 - 0.7 * past * past) - beside).max(0.0);

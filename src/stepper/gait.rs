@@ -6,10 +6,10 @@
 //! that pivot the paper's formula gives the step's length. Sources: Kenwright (2013), step distance with residual
 //! speed; Hof (2008), steady gait by the extrapolated centre of mass; Sekiya (1997), walk ratio.
 
-use super::{Params, Physique, Plant, State, support};
+use super::{Params, Physique, support};
 use crate::maths::pendulum;
 use crate::model::Side;
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 /// One step of a steady gait.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,16 +24,24 @@ pub struct Rhythm {
     pub roll: [f64; 2],
 }
 
-/// The rhythm in which people walk at that velocity, m/s (x, z).
-pub fn rhythm(params: &Params, physique: &Physique, ahead: DVec2, velocity: DVec2) -> Rhythm {
+/// The rhythm in which people walk at that velocity, m/s (x, z), and turn at that rate, rad/s, where no step is longer
+/// than `longest` m.
+pub fn rhythm(
+    params: &Params,
+    physique: &Physique,
+    ahead: DVec2,
+    velocity: DVec2,
+    (turn, longest): (f64, f64),
+) -> Rhythm {
     let pace = velocity * (params.tempo / params.size); // of the reference body
     let speed = pace.length();
     let way = pace / speed.max(1e-9);
     let (along, across) = (way.dot(ahead), way.perp_dot(ahead));
     let forward = if along > 0.0 { 0.0065 } else { 0.0050 };
     let ratio = forward * along * along + 0.0018 * across * across; // m per step/min
-    let cadence = (60.0 * speed / ratio.max(1e-4)).sqrt().max(66.0);
-    let step = 60.0 / cadence;
+    let spin = (turn.abs() * params.tempo).min(1.0);
+    let cadence = (60.0 * speed / ratio.max(1e-4)).sqrt().max(66.0 + 36.0 * spin);
+    let step = (60.0 / cadence).min(longest / params.size / speed.max(1e-9));
     let share = (0.24 - 0.133 * (speed - 1.2)).clamp(0.14, 0.36);
     let travel = speed * step * across.abs() * params.size;
     let foot = physique.tip - physique.heel;
@@ -44,7 +52,7 @@ pub fn rhythm(params: &Params, physique: &Physique, ahead: DVec2, velocity: DVec
     Rhythm {
         step: step * params.tempo,
         double: if params.rolls { share * step * params.tempo } else { 0.0 },
-        width: params.step_width + travel,
+        width: params.step_width + 0.06 * params.size * spin * (1.0 - speed).max(0.0) + travel,
         roll: [mid - half, mid + half],
     }
 }
@@ -144,9 +152,4 @@ impl Pivot {
         };
         ankle + way * ((distance - level) / self.shares[1])
     }
-}
-
-/// Where a walking foot points and stands.
-pub fn plant(physique: &Physique, state: &State, side: Side, ankle: DVec2) -> Plant {
-    Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), state.facing + side.sign() * physique.toe_out)
 }

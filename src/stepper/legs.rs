@@ -29,8 +29,9 @@ pub fn integrate(params: &Params, physique: &Physique, state: &mut State, inputs
     state.lift = lift;
     let tip = state.tip * (1.0 / (0.2 * params.tempo));
     state.tip -= tip * dt;
-    // at the tick's middle: ξ grows by what the closed form says
-    let middle = ground(state.com) + ground(state.velocity) * (0.5 * dt);
+    // in the gait at the tick's middle, so that ξ grows as the closed form says
+    let half = if state.gait.phase == Phase::Rest { 0.0 } else { 0.5 * dt };
+    let middle = ground(state.com) + ground(state.velocity) * half;
     let flat = (middle - state.cop) * ((GRAVITY + lift) / state.com.y) + tip;
     let acceleration = DVec3::new(flat.x + push.x, lift + push.y, flat.y + push.z);
     state.com += state.velocity * dt + acceleration * (0.5 * dt * dt);

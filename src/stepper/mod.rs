@@ -12,6 +12,7 @@ mod control;
 mod decide;
 mod footfall;
 mod foothold;
+mod footing;
 mod gait;
 mod legs;
 pub mod params;
@@ -19,6 +20,7 @@ mod roll;
 pub mod state;
 pub mod support;
 mod swing;
+mod turn;
 mod walk;
 
 pub use control::tick;
@@ -56,9 +58,9 @@ pub struct Step {
     pub lift: f64,
     /// s, it is down again.
     pub land: f64,
-    /// Where it stood.
+    /// Where it stood, in the ground frame (a platform's; scenario space else).
     pub from: Plant,
-    /// Where it landed.
+    /// Where it landed, likewise.
     pub to: Plant,
 }
 

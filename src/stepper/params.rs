@@ -111,6 +111,8 @@ pub struct Params {
     pub trail: f64,       // m, the trailing foot starts when the centre of mass is so far from it and leaving
     pub lift_height: f64, // m, of the swinging ankle
     // Gait.
+    pub twist_most: f64,  // rad, a turn that leaves the feet behind by more is stepped
+    pub turned: f64,      // rad, and by less than so is done
     pub rolls: bool,      // the pressure rolls under the feet
     pub ramp: f64,        // m/s2, of the commanded velocity
     pub step_width: f64,  // m, between the ankles' lines
@@ -201,6 +203,8 @@ impl Params {
             trail: 0.36 * physique.leg_length,
             lift_height: (0.05 + 0.08 * style.step_height.clamp(0.0, 1.0)) * size,
             rolls: style.ankle_feedback,
+            twist_most: 0.35,
+            turned: 0.12,
             ramp: 0.8 * pace / tempo,
             step_width: (0.10 * size).max(2.0 * physique.half_width + 0.005 * size),
             step_gap: (0.09 * size).max(2.0 * physique.half_width),

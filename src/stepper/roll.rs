@@ -4,7 +4,7 @@
 use super::gait::{self, Rhythm};
 use super::support::{Support, Tread};
 use super::walk::{Phase, omega, rhythm_now};
-use super::{Params, Physique, State, StepKind, footfall, ground, support};
+use super::{Params, Physique, State, StepKind, footfall, ground, support, turn};
 use crate::model::Side;
 use glam::DVec2;
 
@@ -55,7 +55,7 @@ fn feedback(
     let omega = omega(params, physique);
     let (com, velocity) = footfall::touchdown(params, physique, state, rhythm, (gait.side, now), (wait, time));
     let xi = com + velocity / omega;
-    let mut error = xi - steady_xi(params, physique, state, rhythm, gait.side);
+    let mut error = xi - steady_xi(params, physique, state, rhythm, gait.side, wait + time);
     if gait.last {
         let stance = ground(state.feet[gait.side.other() as usize].ankle);
         let middle = stance + state.aside() * (0.5 * gait.side.sign() * params.width);
@@ -67,11 +67,13 @@ fn feedback(
     error * (params.walk_gain / ((omega * (wait + time).max(0.2 * params.tempo)).exp() - 1.0))
 }
 
-/// ξ at the touchdown of a step as long and as wide as the steady ones.
-fn steady_xi(params: &Params, physique: &Physique, state: &State, rhythm: &Rhythm, side: Side) -> DVec2 {
+/// ξ at the touchdown, `time` s from now, of a step as long and as wide as the steady ones.
+fn steady_xi(params: &Params, physique: &Physique, state: &State, rhythm: &Rhythm, side: Side, time: f64) -> DVec2 {
     let rear = ground(state.feet[side.other() as usize].ankle);
-    let ankle = rear + state.gait.velocity * rhythm.step + state.aside() * (side.sign() * rhythm.width);
-    footfall::pivot(params, physique, state, rhythm, side).xi_for(rear, ankle)
+    let turned = turn::turned_in(state, time);
+    let across = turn::rotated(state.aside(), turned) * (side.sign() * rhythm.width);
+    let ankle = rear + turn::rotated(state.gait.velocity, turned) * rhythm.step + across;
+    footfall::pivot(params, physique, state, rhythm, side, time).xi_for(rear, ankle)
 }
 
 /// Where the bare pendulum touches the ground.
@@ -95,7 +97,7 @@ fn prepare(params: &Params, physique: &Physique, state: &State, dt: f64) -> DVec
         return state.cop + (early - state.cop) * share;
     }
     let single = (rhythm.step - rhythm.double).min(params.brief);
-    let landing = steady_xi(params, physique, state, rhythm, gait.side);
+    let landing = steady_xi(params, physique, state, rhythm, gait.side, left_over + single);
     let [one, two] = gait::weights(omega, 0.0, single);
     let at_lift = landing * (-omega * single).exp() + early * one + late * two;
     let hold = left_over - over;

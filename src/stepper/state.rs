@@ -2,10 +2,10 @@
 
 use super::support::{Support, Tread};
 use super::walk::Gait;
-use super::{Params, Physique, Plant, Step, StepKind, ground, support};
+use super::{Params, Physique, Plant, Step, StepKind, footing, ground, support};
 use crate::maths::pendulum;
-use crate::model::Side;
 use crate::model::scenario::Feet;
+use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
 
 /// What acts on the character during a tick.
@@ -58,6 +58,8 @@ pub struct Swing {
     pub from: Plant,
     /// Where it will land, as planned now.
     pub to: Plant,
+    /// m, where it is aimed, before the ground moves it, (x, z).
+    pub aim: DVec2,
     /// How it passes the stance leg.
     pub passing: Passing,
     /// Unit vector (x, z) to the side of the stance ankle on which it passes.
@@ -96,6 +98,8 @@ pub struct State {
     pub cop: DVec2,
     /// The feet: on the ground, or the ankle's shadow raised by its height in the air.
     pub feet: [Plant; 2],
+    /// The same feet in the ground frame where they stand (the platform's; scenario space else).
+    pub held: [Plant; 2],
     /// What both feet held when they last stood both: their soles' outline, and where in it the pressure may go.
     pub outline: Support,
     /// See `outline`.
@@ -151,11 +155,12 @@ pub struct TickOutput {
 
 impl State {
     /// At rest, the ankles' middle over `place`, facing `facing`.
-    pub fn standing(params: &Params, physique: &Physique, place: DVec2, facing: f64) -> State {
+    pub fn standing(params: &Params, physique: &Physique, terrain: &Terrain, place: DVec2, facing: f64) -> State {
         let feet = Side::BOTH.map(|side| {
             let ankle = place + support::left(facing) * (side.sign() * 0.5 * params.width);
-            Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), facing + side.sign() * physique.toe_out)
+            footing::set_down(terrain, physique, ankle, facing + side.sign() * physique.toe_out, 0.0)
         });
+        let held = feet.each_ref().map(|foot| footing::to_ground(foot, terrain.turn(0.0)));
         let hold = |margin: f64| Support::two(params, physique, [&feet[0], &feet[1]], [Tread::Whole; 2], margin);
         let over = place + support::forward(facing) * params.com_forward;
         State {
@@ -168,6 +173,7 @@ impl State {
             outline: hold(0.0),
             inset: hold(params.margin),
             feet,
+            held,
             swing: None,
             gait: Gait::still(params.lead),
             intent: None,
@@ -187,6 +193,13 @@ impl State {
             calm: 0.0,
             lost: None,
         }
+    }
+
+    /// Both soles stand: what they hold.
+    pub fn hold(&mut self, params: &Params, physique: &Physique) {
+        let feet = [&self.feet[0], &self.feet[1]];
+        self.outline = Support::two(params, physique, feet, [Tread::Whole; 2], 0.0);
+        self.inset = Support::two(params, physique, feet, [Tread::Whole; 2], params.margin);
     }
 
     /// 1/s, the pendulum's rate at the present height.

@@ -4,7 +4,7 @@
 //! give eight corners and radius 0, two circles give two corners and their radius.
 
 use super::{Params, Physique, Plant};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 /// How the area under a foot is modelled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,6 +40,13 @@ pub fn forward(yaw: f64) -> DVec2 {
 /// (x, z) unit vector to the left of the yaw.
 pub fn left(yaw: f64) -> DVec2 {
     DVec2::new(yaw.cos(), -yaw.sin())
+}
+
+/// Unit vector on the ground under a foot, the way that it points.
+pub fn along(plant: &Plant) -> DVec3 {
+    let level = DVec3::new(plant.yaw.sin(), 0.0, plant.yaw.cos());
+    let rise = -(level.dot(plant.normal)) / plant.normal.y.max(0.1);
+    (level + DVec3::Y * rise).normalize()
 }
 
 impl Support {
@@ -109,7 +116,13 @@ fn corners_of(
 ) -> (usize, f64) {
     let ankle = DVec2::new(plant.ankle.x, plant.ankle.z);
     let (sin, cos) = plant.yaw.sin_cos();
-    let (ahead, side) = (DVec2::new(sin, cos), DVec2::new(cos, -sin));
+    let (mut ahead, mut side) = (DVec2::new(sin, cos), DVec2::new(cos, -sin));
+    if plant.normal != DVec3::Y {
+        // as the leaning sole is seen from above
+        let toe = along(plant);
+        let left = plant.normal.cross(toe);
+        (ahead, side) = (DVec2::new(toe.x, toe.z), DVec2::new(left.x, left.z));
+    }
     let middle = 0.5 * (physique.heel + physique.tip);
     if params.support == SupportModel::Circles {
         into[0] = ankle + ahead * middle;

@@ -16,7 +16,11 @@ pub fn along(params: &Params, swing: &Swing, phase: f64) -> Plant {
     let path = bezier(from, to, swing.detour, eased);
     let up = 16.0 * phase * phase * (1.0 - phase) * (1.0 - phase);
     let height = swing.from.ankle.y + (swing.to.ankle.y - swing.from.ankle.y) * eased + params.lift_height * up;
-    Plant::level(DVec3::new(path.x, height, path.y), swing.from.yaw + (swing.to.yaw - swing.from.yaw) * eased)
+    Plant {
+        ankle: DVec3::new(path.x, height, path.y),
+        yaw: swing.from.yaw + (swing.to.yaw - swing.from.yaw) * eased,
+        normal: swing.from.normal.lerp(swing.to.normal, eased).normalize(),
+    }
 }
 
 /// The bow, (x, z) m, that keeps the path `gap` m away from the stance ankle on the side that `round` (a unit vector)

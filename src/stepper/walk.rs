@@ -6,10 +6,10 @@
 
 use super::gait::{self, Rhythm};
 use super::support::{Support, Tread};
-use super::{Inputs, Params, Physique, State, StepKind, Swing, footfall, ground, roll, swing};
+use super::{Inputs, Params, Physique, State, StepKind, Swing, footfall, footing, ground, roll, swing, turn};
 use super::{Passing, balance};
 use crate::maths::pendulum;
-use crate::model::Side;
+use crate::model::{Side, Terrain};
 use glam::DVec2;
 
 /// Where in the gait.
@@ -46,8 +46,16 @@ pub struct Gait {
     pub shift: DVec2,
     /// N, the force that lasts, (x, z).
     pub lasting: DVec2,
+    /// rad/s, how fast the pelvis turns.
+    pub turn: f64,
+    /// rad, how far it has yet to turn.
+    pub goal: f64,
+    /// The feet have to step for it to get there.
+    pub turning: bool,
     /// This step is the last one.
     pub last: bool,
+    /// m, the longest step that the ground allows.
+    pub longest: f64,
 }
 
 impl Gait {
@@ -64,19 +72,26 @@ impl Gait {
             from: none,
             shift: none,
             lasting: none,
+            turn: 0.0,
+            goal: 0.0,
+            turning: false,
             last: false,
+            longest: f64::INFINITY,
         }
     }
 }
 
 /// Follows the command.
-pub fn steer(params: &Params, state: &mut State, inputs: &Inputs, dt: f64) {
-    let wanted = inputs.walk.unwrap_or(DVec2::ZERO);
+pub fn steer(params: &Params, terrain: &Terrain, state: &mut State, inputs: &Inputs, dt: f64) {
+    // while the pelvis turns, the way to go turns with it
+    let wanted = turn::rotated(inputs.walk.unwrap_or(DVec2::ZERO), -state.gait.goal);
     let gait = &mut state.gait;
     if gait.phase == Phase::Rest && wanted == DVec2::ZERO && gait.velocity == DVec2::ZERO {
         return;
     }
     gait.tick = dt;
+    gait.longest = footing::longest(terrain, params, ground(state.com), wanted.normalize_or(state.ahead));
+    let wanted = wanted.clamp_length_max(gait.longest / (0.55 * params.tempo));
     let most = params.ramp * dt;
     let first = 0.5 * params.size / params.tempo;
     let wanted = if gait.phase == Phase::Start { wanted.clamp_length_max(first) } else { wanted };
@@ -93,11 +108,12 @@ pub fn steer(params: &Params, state: &mut State, inputs: &Inputs, dt: f64) {
 pub fn both_down(
     params: &Params,
     physique: &Physique,
+    terrain: &Terrain,
     state: &mut State,
     inputs: &Inputs,
     dt: f64,
 ) -> (bool, Option<Side>) {
-    let go = inputs.walk.is_some_and(|walk| walk.length() > 0.02 * params.size / params.tempo);
+    let go = goes(params, state, inputs);
     match state.gait.phase {
         Phase::Rest if !go => return (false, None),
         Phase::Rest => {
@@ -145,7 +161,13 @@ pub fn both_down(
         state.gait.until = state.time + dt;
         return (true, None);
     }
-    (true, Some(lift(params, physique, state, inputs, (single, dt))))
+    (true, Some(lift(params, physique, terrain, state, inputs, (single, dt))))
+}
+
+/// Is there somewhere to go, or to turn to?
+fn goes(params: &Params, state: &State, inputs: &Inputs) -> bool {
+    let least = 0.02 * params.size / params.tempo;
+    state.gait.turning || inputs.walk.is_some_and(|walk| walk.length() > least)
 }
 
 /// Enters the gait: from a stand by shifting the weight, on the move at once.
@@ -173,7 +195,9 @@ fn begin(params: &Params, physique: &Physique, state: &mut State) -> bool {
     let way = gait.velocity.normalize_or_zero();
     let behind = (ground(state.feet[0].ankle) - ground(state.feet[1].ankle)).dot(state.ahead);
     let across = way.dot(state.aside());
-    let side = if across.abs() > 0.5 {
+    let side = if gait.turning && way == DVec2::ZERO {
+        if gait.goal > 0.0 { Side::Left } else { Side::Right }
+    } else if across.abs() > 0.5 {
         if across > 0.0 { Side::Left } else { Side::Right }
     } else if behind.abs() > params.stagger {
         if behind * way.dot(state.ahead) > 0.0 { Side::Right } else { Side::Left }
@@ -192,7 +216,8 @@ fn enter(state: &mut State, phase: Phase, side: Side, time: f64) {
 /// The rhythm of the commanded velocity, in whole ticks.
 pub fn rhythm_now(params: &Params, physique: &Physique, state: &State) -> Rhythm {
     let tick = state.gait.tick;
-    let rhythm = gait::rhythm(params, physique, state.ahead, state.gait.velocity);
+    let bounds = (state.gait.turn, state.gait.longest);
+    let rhythm = gait::rhythm(params, physique, state.ahead, state.gait.velocity, bounds);
     let whole = |time: f64| (time / tick).round() * tick;
     let single = whole(rhythm.step - rhythm.double).max(2.0 * tick);
     let step = whole(rhythm.step).max(single);
@@ -200,16 +225,25 @@ pub fn rhythm_now(params: &Params, physique: &Physique, state: &State) -> Rhythm
 }
 
 /// Lifts the foot.
-fn lift(params: &Params, physique: &Physique, state: &mut State, inputs: &Inputs, (single, dt): (f64, f64)) -> Side {
+fn lift(
+    params: &Params,
+    physique: &Physique,
+    terrain: &Terrain,
+    state: &mut State,
+    inputs: &Inputs,
+    (single, dt): (f64, f64),
+) -> Side {
     let side = state.gait.side;
     let ticks = (single / dt).round().max(2.0);
     let land = state.time + ticks * dt;
     let slow = (state.gait.velocity.length() - params.ramp * ticks * dt) < 0.2 * params.size / params.tempo;
     let slow = slow && state.velocity.length() < 0.68 * params.size / params.tempo;
-    let last = slow && inputs.walk.is_none_or(|walk| walk == DVec2::ZERO);
+    let last = slow && !goes(params, state, inputs);
     enter(state, Phase::Single, side, ticks * dt);
     state.gait.last = last;
     let to = footfall::plan(params, physique, state, side, (0.0, ticks * dt), (0.0, ticks * dt)).plant;
+    let aim = ground(to.ankle);
+    let to = footing::set_down(terrain, physique, aim, to.yaw, land);
     let from = state.feet[side as usize];
     let stance = ground(state.feet[side.other() as usize].ankle);
     let round = swing::round(ground(from.ankle), ground(to.ankle), stance, state.aside() * side.sign());
@@ -220,6 +254,7 @@ fn lift(params: &Params, physique: &Physique, state: &mut State, inputs: &Inputs
         land,
         from,
         to,
+        aim,
         passing: Passing::Own,
         round,
         detour: swing::detour(ground(from.ankle), ground(to.ankle), stance, round, params.step_gap),
@@ -230,7 +265,8 @@ fn lift(params: &Params, physique: &Physique, state: &mut State, inputs: &Inputs
 /// After a step of the gait has landed.
 pub fn landed(params: &Params, physique: &Physique, state: &mut State, side: Side) {
     if state.gait.last {
-        state.gait = Gait { velocity: DVec2::ZERO, ..Gait::still(side.other()) };
+        let Gait { turn, goal, .. } = state.gait;
+        state.gait = Gait { turn, goal, ..Gait::still(side.other()) };
         return;
     }
     let rhythm = rhythm_now(params, physique, state);

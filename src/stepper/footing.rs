@@ -1,0 +1,156 @@
+//! Where the ground holds a foot: its height and lean under a landing, off stair edges and gaps; feet that a platform carries.
+//!
+//! The controller reckons heights over the ground that carries the body (the clip adds the ground's own): here only the
+//! feet know the ground. Scenario space unless a name says ground frame; metres, radians.
+
+use super::{Params, Physique, Plant, State, support};
+use crate::model::scenario::GroundKind;
+use crate::model::terrain::FIRST;
+use crate::model::{Side, Terrain};
+use glam::{DQuat, DVec2, DVec3};
+
+/// m, that a sole keeps from an edge.
+const EDGE: f64 = 0.01;
+
+/// The foot set down at that place of the ground as it lies at `time`, moved along Z to where the whole sole is held.
+pub fn set_down(terrain: &Terrain, physique: &Physique, ankle: DVec2, yaw: f64, time: f64) -> Plant {
+    match terrain.kind {
+        GroundKind::Flat => Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), yaw),
+        GroundKind::Platform { .. } => {
+            let normal = terrain.turn(time) * DVec3::Y;
+            let height = -(normal.x * ankle.x + normal.z * ankle.y) / normal.y.max(0.1);
+            Plant { ankle: DVec3::new(ankle.x, height, ankle.y), yaw, normal }
+        }
+        _ => {
+            let at = held(terrain, physique, ankle, yaw);
+            let spot = terrain.spot(at);
+            Plant { ankle: DVec3::new(at.x, spot.height, at.y), yaw, normal: spot.normal }
+        }
+    }
+}
+
+/// The nearest place along Z where the sole is on one tread, or on one side of a gap.
+fn held(terrain: &Terrain, physique: &Physique, ankle: DVec2, yaw: f64) -> DVec2 {
+    let (toe, wide) = (yaw.cos(), (yaw.sin() * physique.half_width).abs());
+    let (one, two) = (toe * physique.heel, toe * physique.tip);
+    let (rear, front) = (one.min(two) - wide - EDGE, one.max(two) + wide + EDGE);
+    let middle = ankle.y + 0.5 * (rear + front);
+    let (from, to) = match terrain.kind {
+        GroundKind::Stairs { tread, count, .. } => {
+            let number = ((middle - FIRST) / tread).floor();
+            let (first, last) = (number < 0.0, number >= f64::from(count) - 1.0);
+            let from = if first { f64::NEG_INFINITY } else { FIRST + number.min(f64::from(count) - 1.0) * tread };
+            let to = if first {
+                FIRST
+            } else if last {
+                f64::INFINITY
+            } else {
+                FIRST + (number + 1.0) * tread
+            };
+            (from, to)
+        }
+        GroundKind::Gaps { width, spacing } => {
+            // solid ground number 0 ends where the first gap begins
+            let number = ((middle - FIRST - 0.5 * width) / spacing).floor() + 1.0;
+            let from = if number < 0.5 { f64::NEG_INFINITY } else { FIRST + width + (number - 1.0) * spacing };
+            (from, if number < 0.5 { FIRST } else { FIRST + number * spacing })
+        }
+        _ => return ankle,
+    };
+    let (low, high) = (from - rear, to - front);
+    if low <= high {
+        return DVec2::new(ankle.x, ankle.y.clamp(low, high));
+    }
+    // A sole longer than its tread keeps out of the riser and hangs over the other edge.
+    let up = matches!(terrain.kind, GroundKind::Stairs { rise, .. } if rise > 0.0);
+    DVec2::new(ankle.x, if up { high } else { low })
+}
+
+/// m, the longest step that the ground allows a body at `place` that goes that way: a tread, on and before stairs.
+pub fn longest(terrain: &Terrain, params: &Params, place: DVec2, way: DVec2) -> f64 {
+    let GroundKind::Stairs { tread, count, .. } = terrain.kind else { return f64::INFINITY };
+    let ahead = 1.4 * params.size * way.y.signum(); // room to slow down in
+    let (near, far) = ((place.y + ahead).min(place.y), (place.y + ahead).max(place.y));
+    let end = FIRST + tread * (f64::from(count) - 1.0);
+    let on = far > FIRST && near < end + 0.4 * params.size;
+    // across the stairs every step is as good as another
+    if on && way.y.abs() > 0.4 { tread / way.y.abs() } else { f64::INFINITY }
+}
+
+/// The plant in the ground frame as it lies at a time.
+pub fn to_ground(plant: &Plant, turn: DQuat) -> Plant {
+    turned(plant, turn.inverse())
+}
+
+/// A plant of the ground frame in scenario space.
+pub fn from_ground(plant: &Plant, turn: DQuat) -> Plant {
+    turned(plant, turn)
+}
+
+fn turned(plant: &Plant, turn: DQuat) -> Plant {
+    if turn == DQuat::IDENTITY {
+        return *plant;
+    }
+    let toe = support::along(plant);
+    let toe = turn * toe;
+    Plant { ankle: turn * plant.ankle, yaw: toe.x.atan2(toe.z), normal: turn * plant.normal }
+}
+
+/// Feet that stand on ground that turns go with it, and so does what they hold.
+pub fn carry(terrain: &Terrain, params: &Params, physique: &Physique, state: &mut State) {
+    if !matches!(terrain.kind, GroundKind::Platform { .. }) {
+        return;
+    }
+    let turn = terrain.turn(state.time);
+    for side in Side::BOTH {
+        if state.planted(side) {
+            state.feet[side as usize] = from_ground(&state.held[side as usize], turn);
+        }
+    }
+    if state.swing.is_none() {
+        state.hold(params, physique);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::scenario::Ground;
+
+    fn terrain(kind: GroundKind) -> Terrain {
+        Terrain::new(&Ground { kind, ..Ground::default() })
+    }
+
+    fn sole(plant: &Plant) -> [f64; 2] {
+        let physique = Physique::REFERENCE;
+        [plant.ankle.z + physique.heel, plant.ankle.z + physique.tip]
+    }
+
+    #[test]
+    fn a_sole_is_whole_on_one_tread_and_out_of_the_gaps() {
+        let stairs = terrain(GroundKind::Stairs { rise: 0.17, tread: 0.30, count: 5 });
+        let gaps = terrain(GroundKind::Gaps { width: 0.2, spacing: 1.2 });
+        for index in 0..400 {
+            let at = DVec2::new(0.1, 0.01 * f64::from(index));
+            let plant = set_down(&stairs, &Physique::REFERENCE, at, 0.0, 0.0);
+            let heights = sole(&plant).map(|z| stairs.spot(DVec2::new(0.1, z)).height);
+            assert!(heights[0] == heights[1] && heights[0] == plant.ankle.y, "{at}: {heights:?} {plant:?}");
+            assert!((plant.ankle.z - at.y).abs() < 0.16, "{at}: moved to {}", plant.ankle.z);
+            let plant = set_down(&gaps, &Physique::REFERENCE, at, 0.0, 0.0);
+            let [heel, tip] = sole(&plant);
+            for z in [heel, 0.5 * (heel + tip), tip] {
+                assert!(gaps.spot(DVec2::new(0.1, z)).holds, "{at}: the sole {heel}..{tip} is over a gap");
+            }
+        }
+    }
+
+    #[test]
+    fn a_platform_carries_what_stands_on_it() {
+        let platform = terrain(GroundKind::Platform { pitch: vec![[0.0, 0.0], [1.0, 0.5]], roll: vec![] });
+        let plant = set_down(&platform, &Physique::REFERENCE, DVec2::new(0.2, 0.3), 0.1, 1.0);
+        let held = to_ground(&plant, platform.turn(1.0));
+        assert!(held.ankle.y.abs() < 1e-12 && held.normal.distance(DVec3::Y) < 1e-12);
+        let back = from_ground(&held, platform.turn(1.0));
+        assert!(back.ankle.distance(plant.ankle) < 1e-12 && (back.yaw - plant.yaw).abs() < 1e-12);
+    }
+}
