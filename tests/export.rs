@@ -42,7 +42,7 @@ pub fn report(clip: &Clip) -> ClipReport {
         steps: 2,
         body: BodyReport { mass: 70.0, height: 1.7 },
         contacts: Vec::new(),
-        events: vec![Event { time: 1.0 / 3.0, name: "push_start".into(), foot: None }],
+        events: vec![Event { time: 1.0 / 3.0, name: "push_start".into(), foot: None, bone: None, impulse: None }],
         disturbances: Vec::new(),
         assist: Assist::default(),
         plausibility: Plausibility::default(),
@@ -290,6 +290,9 @@ pub fn reads_back(rig: &Rig, clip: &Clip, file: &[u8]) {
             }
             (gltf::animation::util::ReadOutputs::Rotations(read), KeyValues::Rotation(keys)) => {
                 assert_eq!(&read.into_f32().collect::<Vec<_>>(), keys);
+            }
+            (gltf::animation::util::ReadOutputs::Scales(read), KeyValues::Scale(keys)) => {
+                assert_eq!(&read.collect::<Vec<_>>(), keys);
             }
             _ => panic!("another path"),
         }

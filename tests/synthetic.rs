@@ -154,7 +154,16 @@ pub fn rig(trouble: Trouble) -> Rig {
     );
     let document =
         Document { json, buffers: vec![buffer], glb_buffer: true, images: Vec::new(), image_files: Vec::new() };
-    Rig { document, nodes, body, joint_nodes, document_from_scenario, mapping, mesh: Vec::new() }
+    Rig {
+        document,
+        nodes,
+        body,
+        joint_nodes,
+        document_from_scenario,
+        mapping,
+        mesh: Vec::new(),
+        leg_scales: Default::default(),
+    }
 }
 
 fn body(mapped: &[(Role, usize)]) -> (Body, Vec<Option<usize>>) {
@@ -199,7 +208,7 @@ fn body(mapped: &[(Role, usize)]) -> (Body, Vec<Option<usize>>) {
     };
     let feet = [foot(Role::LeftFoot, Role::LeftToes), foot(Role::RightFoot, Role::RightToes)];
     let nodes = roles.iter().map(|(.., node)| *node).collect();
-    (Body { joints, segments, feet, mass: 70.0, height: 1.7, leg_length: 0.81, flanks: [0.0; 2] }, nodes)
+    (Body { joints, segments, feet, mass: 70.0, height: 1.7, leg_length: 0.81, flanks: [0.0; 2], belly: 0.0 }, nodes)
 }
 
 fn document(nodes: &[RigNode], mapped: &[(Role, usize)]) -> Value {

@@ -25,6 +25,7 @@ const SMOOTHNESS: f64 = 1e5;
 pub fn pass(timeline: &mut Timeline, poses: &[BodyPose], contacts: &[HeldContact], pushes: &[KnownPush]) -> f64 {
     let motion = Motion { body: &timeline.body, hz: 1.0 / timeline.dt, per_frame: 1, poses };
     let Some(track) = Track::over(motion, &timeline.terrain) else { return 0.0 };
+    let track = track.carrying(&timeline.loads);
     let dynamics = dynamics::dynamics(&track, pushes);
     let count = poses.len();
     let weight = timeline.body.mass * GRAVITY;

@@ -2,7 +2,7 @@
 //!
 //! What is checked is what a glTF reader gets: f32 keys, linear or spherical interpolation, in the local spaces of the rig's
 //! nodes. A *frame* is a time at which every channel has a value; reduction then leaves out keys channel by channel, and the
-//! planted feet are measured again on what is left. Lengths in m, angles in rad. Never writes scale.
+//! planted feet are measured again on what is left. Lengths in m, angles in rad. Writes scale only where the scenario scales the legs.
 
 use super::contacts::FootContact;
 use super::leg_chain::LegChain;
@@ -360,7 +360,21 @@ impl<'a> Frames<'a> {
                 channels.push(single(KeyValues::Rotation(vec![stored_rotation(reference.rotation)])));
             }
         }
-        channels.sort_by_key(|channel| (channel.target, matches!(channel.values, KeyValues::Rotation(_))));
+        for node in self.input.rig.leg_scales.keys() {
+            let [x, y, z, _] = stored_translation(self.poser.reference()[*node].scale);
+            channels.push(Channel {
+                target: Target::Node(*node),
+                times: vec![0.0],
+                values: KeyValues::Scale(vec![[x, y, z]]),
+                interpolation: Interpolation::Linear,
+            });
+        }
+        let order = |values: &KeyValues| match values {
+            KeyValues::Translation(_) => 0,
+            KeyValues::Rotation(_) => 1,
+            KeyValues::Scale(_) => 2,
+        };
+        channels.sort_by_key(|channel| (channel.target, order(&channel.values)));
         channels.extend(contact_channels(contacts, duration as f32));
         Clip { name: self.input.name.to_owned(), fps: self.input.fps, duration, channels }
     }

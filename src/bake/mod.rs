@@ -4,6 +4,7 @@
 //! as an engine would and says what it measured. Scenario space until the keys. No file is touched here.
 
 mod balance;
+pub mod carried;
 mod clearance;
 pub mod contacts;
 pub mod feet;
@@ -17,6 +18,7 @@ mod reach;
 mod report;
 pub mod root_motion;
 mod swing;
+pub mod throws;
 pub mod timeline;
 mod track;
 
@@ -27,6 +29,7 @@ use crate::measure::Findings;
 use crate::model::scenario::Scenario;
 use crate::model::{Body, Clip, ClipReport, Prop};
 use crate::rig::Rig;
+use std::borrow::Cow;
 
 /// How to bake.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,7 +55,7 @@ pub struct Baked {
     pub performance: Performance,
     /// All that was measured on the clip; the report holds a part.
     pub findings: Option<Findings>,
-    /// What stands and moves beside the body: the ground first.
+    /// What stands and moves beside the body: the ground first, then boxes and balls.
     pub props: Vec<Prop>,
     /// For a person: what is not as asked.
     pub warnings: Vec<String>,
@@ -81,6 +84,8 @@ impl Default for BakeOptions {
 
 /// Runs the scenario on the rig and bakes the clip.
 pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Baked, BakeError> {
+    let scale = scenario.character.leg_scale;
+    let rig = &if scale == 1.0 { Cow::Borrowed(rig) } else { Cow::<Rig>::Owned(rig.with_leg_scale(scale)) };
     let body: Body = match scenario.character.mass {
         Some(mass) => rig.body.with_mass(mass),
         None => rig.body.clone(),
@@ -108,7 +113,9 @@ pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Bak
     let input =
         report::ReportInput { rig, clip: measured, performance: &performance, scenario, seed, root: options.root };
     let (report, findings, warnings) = report::report(&input);
-    let props = props::ground(&performance.timeline);
+    let mut props = props::ground(&performance.timeline);
+    props.extend(carried::props(&performance.timeline));
+    props.extend(throws::props(&performance.timeline, &performance.balls));
     Ok(Baked { clip, report, performance, findings, props, warnings })
 }
 

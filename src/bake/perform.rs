@@ -3,7 +3,9 @@
 //! stepper run -> foot curves and upper-body springs -> poses -> reach envelope and balance filter, a few times over.
 //! Scenario space, SI. What comes out is a [`Timeline`] that gives the pose at any time; keys are made elsewhere.
 
+use super::carried::{self, Carried};
 use super::contacts::{self, FootContact};
+use super::throws::{self, Ball};
 use super::timeline::Timeline;
 use super::{BakeError, balance, feet, footing, knees, reach};
 use crate::maths::curve::smooth3;
@@ -37,6 +39,8 @@ pub struct Performance {
     pub contacts: Vec<FootContact>,
     /// The pushes as they act.
     pub pushes: Vec<KnownPush>,
+    /// The balls that were thrown, hits and misses.
+    pub balls: Vec<Ball>,
     /// The stand that the stepper knew.
     pub physique: Physique,
     /// m, the farthest that the ZMP was out of the support before each pass of the filter.
@@ -47,8 +51,43 @@ pub struct Performance {
 pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performance, BakeError> {
     let anatomy = Anatomy::new(body);
     let physique = stand::physique(body, &anatomy);
-    let pushes = known_pushes(body, scenario);
-    let trace = run(body, &anatomy, &physique, scenario, &pushes);
+    let (carried, loads) = carried::carried(body, &anatomy, scenario);
+    let options = SimulateOptions {
+        duration: scenario.duration,
+        style: style(&scenario.character),
+        ..SimulateOptions::default()
+    };
+    let most = ((options.duration + options.extra) / options.dt).ceil() as usize + 2;
+    let physiques = carried::physiques(body, &anatomy, (&carried, &loads), options.dt, most);
+    let script = Script { physiques, ..Script::of(scenario, Vec::new()) };
+    let mut pushes = known_pushes(body, scenario);
+    let mut trace = run(body, &anatomy, &physique, &script, &options, &pushes);
+    let mut balls = Vec::new();
+    for toss in throws::tosses(scenario, seed) {
+        let index = (toss.arrives / trace.dt).round() as usize;
+        let Some(tick) = trace.ticks.get(index) else { break };
+        let measures = script.physiques.get(index).unwrap_or(&physique);
+        let ground = tick.feet[0].ankle.y.min(tick.feet[1].ankle.y);
+        let com = DVec3::new(tick.com.x, ground + measures.com_height, tick.com.z);
+        let target = stand::stand_target(body, &tick.feet, com, tick.facing);
+        let hold = carried::hold(&carried, &loads, toss.arrives);
+        let solved = Solver::new(body, &anatomy).solve(&hold.map_or(target, |hold| target.holding(hold)));
+        let ball = toss.meet(&throws::Standing {
+            body,
+            pose: &solved.pose,
+            velocity: tick.velocity,
+            facing: tick.facing,
+            mass: measures.mass,
+            load: loads.iter().find(|load| load.span[0] <= toss.arrives && toss.arrives <= load.span[1]),
+        });
+        if let Some(hit) = &ball.hit {
+            pushes.push((hit.push, false));
+            pushes.sort_by(|a, b| a.0.start.total_cmp(&b.0.start));
+            // What was before does not change: the next ball meets a body that this one has pushed.
+            trace = run(body, &anatomy, &physique, &script, &options, &pushes);
+        }
+        balls.push(ball);
+    }
     check(&trace)?;
     let acted = pushes.iter().zip(&trace.pushes);
     let pushes: Vec<KnownPush> = acted.map(|((push, _), acted)| KnownPush { force: acted.force, ..*push }).collect();
@@ -56,10 +95,11 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
     let count = ((scenario.duration / trace.dt).round() as usize + 1).min(trace.ticks.len());
     let ticks = &trace.ticks[..count];
     let terrain = Terrain::new(&scenario.ground);
-    let still_until = still_until(scenario, &pushes);
+    let taken_up = carried.iter().filter_map(Carried::begins).fold(f64::INFINITY, f64::min);
+    let still_until = still_until(scenario, &pushes, taken_up);
     let (start, steps) = footing::grounded(body, &terrain, &trace.start, &trace.steps);
     let bases = footing::bases(body, &terrain, &start, &steps, trace.dt, count);
-    let height = |index: usize| physique.com_height + bases[index];
+    let height = |index: usize| script.physiques.get(index).unwrap_or(&physique).com_height + bases[index];
     let path = ticks.iter().enumerate().map(|(index, tick)| DVec3::new(tick.com.x, height(index), tick.com.z));
     let mut timeline = Timeline {
         body: body.clone(),
@@ -74,6 +114,8 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         upper: upper_body(ticks, trace.dt, &physique, seed, scenario),
         feet: feet::FootCurves::new(body, &physique, &start, &steps, still_until, scale, &terrain),
         terrain,
+        carried,
+        loads,
     };
     let frame = Frame::of(&timeline.terrain);
     let cop: Vec<DVec2> = ticks.iter().map(|tick| tick.cop).collect();
@@ -105,11 +147,12 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         lost = Some(timeline.duration());
     }
     let contacts = timeline.feet.contacts(timeline.duration());
-    Ok(Performance { timeline, trace, lost, contacts, pushes, physique, zmp_before_pass })
+    Ok(Performance { timeline, trace, lost, contacts, pushes, balls, physique, zmp_before_pass })
 }
 
-/// s, when the first thing happens: a push, the ground's turn, or what the character means to do. At rest before.
-fn still_until(scenario: &Scenario, pushes: &[KnownPush]) -> f64 {
+/// s, when the first thing happens: a push, the ground's turn, hands that go for a box, or what the character means to do.
+/// At rest before.
+fn still_until(scenario: &Scenario, pushes: &[KnownPush], taken_up: f64) -> f64 {
     let meant = (scenario.walk.iter().map(|walk| walk.start))
         .chain(scenario.turn.iter().map(|turn| turn.start))
         .chain(scenario.crouch.iter().map(|crouch| crouch.start))
@@ -123,7 +166,7 @@ fn still_until(scenario: &Scenario, pushes: &[KnownPush]) -> f64 {
             .fold(f64::INFINITY, f64::min),
         _ => f64::INFINITY,
     };
-    let first = meant.chain(pushes.iter().map(|push| push.start)).fold(turning, f64::min);
+    let first = meant.chain(pushes.iter().map(|push| push.start)).fold(turning.min(taken_up), f64::min);
     if first.is_finite() { first.max(0.0) } else { 0.0 }
 }
 
@@ -178,7 +221,8 @@ fn run(
     body: &Body,
     anatomy: &Anatomy,
     physique: &Physique,
-    scenario: &Scenario,
+    script: &Script,
+    options: &SimulateOptions,
     pushes: &[(KnownPush, bool)],
 ) -> Trace {
     let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
@@ -194,16 +238,14 @@ fn run(
             turns: *turns,
             arm: match push.at {
                 PushPoint::Joint(joint) => positions[joint].y - physique.com_height,
+                PushPoint::Segment(joint, offset) => {
+                    (positions[joint] + standing.pose.turns[joint] * offset).y - physique.com_height
+                }
                 _ => 0.0,
             },
         })
         .collect();
-    let options = SimulateOptions {
-        duration: scenario.duration,
-        style: style(&scenario.character),
-        ..SimulateOptions::default()
-    };
-    simulate(physique, &Script::of(scenario, pushes), &options)
+    simulate(physique, &Script { pushes, ..script.clone() }, options)
 }
 
 /// How much each tick is a walk, 0..1: the gait is in charge, with a soft edge.
@@ -243,7 +285,8 @@ fn upper_body(ticks: &[TickState], dt: f64, physique: &Physique, seed: u64, scen
         head_gain: one(),
         elbow: one(),
     };
-    let mut reaction = Reaction::new(physique, personality, scenario.character.style.arms);
+    let unhurried = style(&scenario.character).unhurried();
+    let mut reaction = Reaction::new(physique, personality, scenario.character.style.arms).unhurried(unhurried);
     let senses = |tick: &TickState| Senses {
         acceleration: tick.acceleration,
         push: tick.push,
@@ -265,6 +308,7 @@ fn style(character: &Character) -> Style {
         step_height: character.style.step_height,
         stance_width: character.style.stance_width,
         readiness: character.style.readiness,
+        recovery_time: character.style.recovery_time,
         ..Style::default()
     }
 }

@@ -6,7 +6,7 @@
 use super::contacts::{self, FootContact};
 use super::perform::Performance;
 use super::root_motion::RootMotion;
-use crate::measure::{Findings, Frame, KnownPush, Motion, PushPoint, measure_on};
+use crate::measure::{Findings, Frame, KnownPush, Motion, PushPoint, measure_carrying};
 use crate::model::report::{Assist, BodyReport, Contact, Disturbance, Event, Outcome, Plausibility};
 use crate::model::scenario::Scenario;
 use crate::model::{Body, BodyPose, Clip, ClipReport, Side};
@@ -40,7 +40,7 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
     let motion = Motion { body, hz, per_frame: PER_FRAME, poses: &poses };
     let terrain = &performance.timeline.terrain;
     let held = contacts::held(&performance.contacts, Frame::of(terrain));
-    let findings = measure_on(motion, terrain, &held, &performance.pushes);
+    let findings = measure_carrying(motion, terrain, &performance.timeline.loads, &held, &performance.pushes);
     let mut plausibility = findings.as_ref().map_or_else(Plausibility::default, Findings::plausibility);
     if input.root == RootMotion::InPlace {
         plausibility.notes.push("measured with the travel that in-place leaves out".into());
@@ -124,10 +124,11 @@ fn events(performance: &Performance, rest_from: Option<f64>, duration: f64) -> V
     let mut events = Vec::new();
     let mut event = |time: f64, name: &str, foot: Option<Side>| {
         if time <= duration {
-            events.push(Event { time, name: name.into(), foot });
+            events.push(Event { time, name: name.into(), foot, bone: None, impulse: None });
         }
     };
-    for push in &performance.pushes {
+    let thrown = |push: &KnownPush| performance.balls.iter().any(|ball| ball.hit.is_some_and(|hit| hit.push == *push));
+    for push in performance.pushes.iter().filter(|push| !thrown(push)) {
         event(push.start, "push_start", None);
         event(push.end, "push_end", None);
     }
@@ -140,6 +141,12 @@ fn events(performance: &Performance, rest_from: Option<f64>, duration: f64) -> V
     }
     if let (Some(time), false) = (rest_from, performance.trace.steps.is_empty()) {
         event(time, "balance_regained", None);
+    }
+    let body = &performance.timeline.body;
+    for hit in performance.balls.iter().filter_map(|ball| ball.hit).filter(|hit| hit.push.start <= duration) {
+        let bone = Some(body.joints[hit.joint].role.name().to_owned());
+        let impulse = Some(hit.impulse.length());
+        events.push(Event { time: hit.push.start, name: "ball_hit".into(), foot: None, bone, impulse });
     }
     events.sort_by(|a, b| a.time.total_cmp(&b.time));
     events
@@ -154,7 +161,7 @@ fn disturbances(input: &ReportInput) -> Vec<Disturbance> {
         end: push.end,
         force: (rotation * push.force).to_array(),
         bone: match push.at {
-            PushPoint::Joint(joint) => body.joints[joint].role.name().into(),
+            PushPoint::Joint(joint) | PushPoint::Segment(joint, _) => body.joints[joint].role.name().into(),
             _ => "hips".into(),
         },
     };
@@ -167,7 +174,17 @@ fn disturbances(input: &ReportInput) -> Vec<Disturbance> {
             let pulled = pulls
                 .iter()
                 .any(|pull| (pull.start - push.start).abs() < 1e-9 && (pull.force - push.force.length()).abs() < 1e-6);
-            one(push, if pulled { "pull" } else { "push" })
+            let thrown = input.performance.balls.iter().any(|ball| ball.hit.is_some_and(|hit| hit.push == *push));
+            one(
+                push,
+                if thrown {
+                    "throw"
+                } else if pulled {
+                    "pull"
+                } else {
+                    "push"
+                },
+            )
         })
         .collect()
 }

@@ -3,9 +3,10 @@
 //! Series stand on the session's ticks (10 ms) and are read between them by cubics; feet are exact. Scenario space, SI.
 //! The passes of `reach` and `balance` change `shift` and `lowering` only: what the stepper said stays beside them.
 
+use super::carried::{self, Carried};
 use super::feet::FootCurves;
 use crate::maths::curve::sample;
-use crate::model::{Body, BodyPose, Side, Terrain};
+use crate::model::{Body, BodyPose, Load, Side, Terrain};
 use crate::whole_body::reaction::{UPPER, UpperAngles, upper_turns};
 use crate::whole_body::solve::Solved;
 use crate::whole_body::{Anatomy, FootTarget, PoseTarget, Solver};
@@ -38,6 +39,10 @@ pub struct Timeline {
     pub feet: FootCurves,
     /// What they stand on.
     pub terrain: Terrain,
+    /// When the hands hold what.
+    pub carried: Vec<Carried>,
+    /// The boxes in them, one each.
+    pub loads: Vec<Load>,
 }
 
 impl Timeline {
@@ -96,6 +101,10 @@ impl Timeline {
             let free = !bends.is_empty() && self.feet.freedom(side, time) > 0.0;
             FootTarget { bend: free.then(|| sample(bends, self.dt, time)), ..self.feet.at(side, time) }
         });
-        PoseTarget { com, pelvis, chest, head, arms, feet }
+        let target = PoseTarget { com, pelvis, chest, head, arms, feet, hold: None };
+        match carried::hold(&self.carried, &self.loads, time) {
+            Some(hold) => target.holding(hold),
+            None => target,
+        }
     }
 }

@@ -144,10 +144,13 @@ impl Writer {
                 Target::Node(node) => node,
                 helper => helpers[&helper],
             };
-            let (path, kind, values): (_, _, Vec<f32>) = match &channel.values {
-                KeyValues::Translation(keys) => ("translation", "VEC3", keys.iter().flatten().copied().collect()),
-                KeyValues::Rotation(keys) => ("rotation", "VEC4", keys.iter().flatten().copied().collect()),
+            let (kind, values): (_, Vec<f32>) = match &channel.values {
+                KeyValues::Translation(keys) | KeyValues::Scale(keys) => {
+                    ("VEC3", keys.iter().flatten().copied().collect())
+                }
+                KeyValues::Rotation(keys) => ("VEC4", keys.iter().flatten().copied().collect()),
             };
+            let path = channel.values.path();
             let input = first + self.accessor("SCALAR", &channel.times, 1);
             let output = first + self.accessor(kind, &values, channel.times.len());
             let interpolation = if channel.interpolation == Interpolation::Step { "STEP" } else { "LINEAR" };
@@ -188,7 +191,7 @@ fn check(rig: &Rig, clip: &Clip) -> Result<(), ExportError> {
         let fault =
             |reason: &str| ExportError::Keys { clip: clip.name.clone(), node: node.clone(), reason: reason.to_owned() };
         let values: Vec<&[f32]> = match &channel.values {
-            KeyValues::Translation(keys) => keys.iter().map(<[f32; 3]>::as_slice).collect(),
+            KeyValues::Translation(keys) | KeyValues::Scale(keys) => keys.iter().map(<[f32; 3]>::as_slice).collect(),
             KeyValues::Rotation(keys) => keys.iter().map(<[f32; 4]>::as_slice).collect(),
         };
         if let Target::Node(index) = channel.target
@@ -196,7 +199,7 @@ fn check(rig: &Rig, clip: &Clip) -> Result<(), ExportError> {
         {
             return Err(fault("the document has no such node"));
         }
-        if !seen.insert((channel.target, rotates)) {
+        if !seen.insert((channel.target, channel.values.path())) {
             return Err(fault("two channels drive the same property"));
         }
         if channel.times.is_empty() || values.len() != channel.times.len() {

@@ -80,7 +80,7 @@ pub(crate) mod tests {
                 normal: [0.0, 1.0, 0.0],
                 slip_mm: 0.1,
             }],
-            events: vec![Event { time: 0.5, name: "push_start".into(), foot: None }],
+            events: vec![Event { time: 0.5, name: "push_start".into(), foot: None, bone: None, impulse: None }],
             disturbances: Vec::new(),
             assist: Assist::default(),
             plausibility: Plausibility::default(),

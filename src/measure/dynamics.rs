@@ -3,7 +3,8 @@
 //! Scenario space, SI. Segments are rigid (de Leva 1996), velocities are central differences of the poses. Filtered
 //! (7 Hz, zero lag) are the path of the centre of mass and the angular momentum, each *before* it is differentiated,
 //! and the known pushes' force and moment: the filter is linear, so the equations of motion hold between filtered
-//! quantities, and a push that starts within one sample is subtracted as the motion shows it.
+//! quantities, and a push that starts within one sample is subtracted as the motion shows it. What is carried counts:
+//! centre of mass, force and moment are those of body and load together (the body's, where nothing is carried).
 
 use super::{GRAVITY, KnownPush, PushPoint, Track};
 use crate::maths::filter;
@@ -53,15 +54,80 @@ pub fn dynamics(track: &Track, pushes: &[KnownPush]) -> Dynamics {
     let acceleration = filter::second_derivative(&com, hz);
     let momentum = filter::zero_lag(&angular_momentum(track), CUTOFF_HZ, hz);
     let momentum_rate = filter::derivative(&momentum, hz);
-    let push = pushed(track, &raw, pushes);
-    let mass = motion.body.mass;
-    let needed = (0..track.len())
+    let mut found =
+        Dynamics { com, velocity, acceleration, momentum, momentum_rate, push: Vec::new(), needed: Vec::new() };
+    let mut inertial: Vec<Wrench> = (0..track.len())
         .map(|i| Wrench {
-            force: (acceleration[i] + DVec3::Y * GRAVITY) * mass - push[i].force,
-            moment: momentum_rate[i] - push[i].moment,
+            force: (found.acceleration[i] + DVec3::Y * GRAVITY) * motion.body.mass,
+            moment: found.momentum_rate[i],
         })
         .collect();
-    Dynamics { com, velocity, acceleration, momentum, momentum_rate, push, needed }
+    let mut whole = raw;
+    if !track.loads.is_empty() {
+        whole = carry(track, &whole, &mut found, &mut inertial);
+    }
+    found.push = pushed(track, &whole, pushes);
+    found.needed = inertial
+        .iter()
+        .zip(&found.push)
+        .map(|(wrench, push)| Wrench { force: wrench.force - push.force, moment: wrench.moment - push.moment })
+        .collect();
+    found
+}
+
+/// Adds what is carried: the body's own quantities become those of the whole, moments about the common centre of mass,
+/// whose path is returned. Each part is differentiated for itself, so a load that grows does not count as motion.
+fn carry(track: &Track, body: &[DVec3], found: &mut Dynamics, inertial: &mut [Wrench]) -> Vec<DVec3> {
+    let motion = track.motion;
+    let hz = motion.hz;
+    let count = track.len();
+    let mut whole: Vec<DVec3> = body.iter().map(|com| *com * motion.body.mass).collect();
+    let mut filtered: Vec<DVec3> = found.com.iter().map(|com| *com * motion.body.mass).collect();
+    let mut parts = Vec::new();
+    for load in track.loads {
+        let path: Vec<DVec3> = (0..count).map(|i| load.centre_in(&motion.poses[i], track.positions(i))).collect();
+        let centre = filter::zero_lag(&path, CUTOFF_HZ, hz);
+        let spin: Vec<DVec3> = (0..count)
+            .map(|i| {
+                let (before, after) = (i.saturating_sub(1), (i + 1).min(count - 1));
+                let rate = hz / (after - before).max(1) as f64;
+                let spin = angular_velocity(&motion.poses[before], &motion.poses[after], load.joint, rate);
+                load.inertia(1.0, motion.poses[i].turns[load.joint]) * spin
+            })
+            .collect();
+        let spin_rate = filter::derivative(&filter::zero_lag(&spin, CUTOFF_HZ, hz), hz);
+        for i in 0..count {
+            let mass = load.mass_at(motion.time(i));
+            whole[i] += path[i] * mass;
+            filtered[i] += centre[i] * mass;
+        }
+        parts.push((
+            load,
+            centre.clone(),
+            filter::derivative(&centre, hz),
+            filter::second_derivative(&centre, hz),
+            spin_rate,
+        ));
+    }
+    for i in 0..count {
+        let mass = track.mass(i);
+        whole[i] /= mass;
+        let com = filtered[i] / mass;
+        let gravity = DVec3::Y * GRAVITY;
+        let share = motion.body.mass / mass;
+        let mut velocity = found.velocity[i] * share;
+        let mut acceleration = found.acceleration[i] * share;
+        inertial[i].moment += (found.com[i] - com).cross(found.acceleration[i] + gravity) * motion.body.mass;
+        for (load, centre, rate, second, spin_rate) in &parts {
+            let part = load.mass_at(motion.time(i));
+            inertial[i].force += (second[i] + gravity) * part;
+            inertial[i].moment += (centre[i] - com).cross(second[i] + gravity) * part + spin_rate[i] * part;
+            velocity += rate[i] * (part / mass);
+            acceleration += second[i] * (part / mass);
+        }
+        (found.com[i], found.velocity[i], found.acceleration[i]) = (com, velocity, acceleration);
+    }
+    whole
 }
 
 /// Whole-body angular momentum about the centre of mass, unfiltered, kg m²/s.

@@ -19,9 +19,9 @@ pub mod support;
 pub mod zmp;
 
 pub use outcome::{Balance, balance};
-pub use plausibility::{Findings, measure, measure_on, plausibility};
+pub use plausibility::{Findings, measure, measure_carrying, measure_on, plausibility};
 
-use crate::model::{Body, BodyPose, Side, Terrain, report::Part};
+use crate::model::{Body, BodyPose, Load, Side, Terrain, report::Part};
 use glam::{DQuat, DVec3};
 
 /// m/s²; gravity points along -Y.
@@ -157,6 +157,8 @@ pub struct Track<'a> {
     pub motion: Motion<'a>,
     /// The ground, where it is known; else the contacts' planes and y = 0 stand for it.
     pub terrain: Option<Terrain>,
+    /// Boxes in both hands: the ground must carry them too.
+    pub loads: &'a [Load],
     positions: Vec<DVec3>, // (samples x joints), sample-major
 }
 
@@ -172,12 +174,24 @@ impl<'a> Track<'a> {
             pose.positions_into(motion.body, &mut one);
             positions.extend_from_slice(&one);
         }
-        Some(Track { motion, terrain: None, positions })
+        Some(Track { motion, terrain: None, loads: &[], positions })
     }
 
     /// The same over a ground that is known.
     pub fn over(motion: Motion<'a>, terrain: &Terrain) -> Option<Track<'a>> {
         Some(Track { terrain: Some(terrain.clone()), ..Track::new(motion)? })
+    }
+
+    /// The same with what is carried.
+    pub fn carrying(self, loads: &'a [Load]) -> Track<'a> {
+        let joints = self.motion.body.joints.len();
+        Track { loads: if loads.iter().all(|load| load.joint < joints) { loads } else { &[] }, ..self }
+    }
+
+    /// kg, the body and what it carries at a sample.
+    pub fn mass(&self, sample: usize) -> f64 {
+        let time = self.motion.time(sample);
+        self.motion.body.mass + self.loads.iter().map(|load| load.mass_at(time)).sum::<f64>()
     }
 
     /// How a frame is turned about the origin at a sample.

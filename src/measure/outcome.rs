@@ -20,6 +20,8 @@ const RECOVERY_SPAN: f64 = 8.0;
 const SPEED_SPAN: f64 = 0.3;
 /// s; what pushes for longer drags, and says nothing by the speed it gives.
 const LONGEST_PUSH: f64 = 1.0;
+/// s, for which a push has the body busy.
+const BUSY: f64 = 1.0;
 /// Share of the body's height under which a joint other than the feet's lies on the ground.
 const TOUCHING_SHARE: f64 = 0.02;
 
@@ -99,10 +101,10 @@ impl Balance {
 
 /// Peak change of the centre of mass's speed along a push, from the push's start until 0.3 s after its end, over
 /// impulse / mass; of several pushes the one that is farthest from 1. Forces of all pushes in that span count into the
-/// impulse. `None` without a push of at most a second.
+/// impulse. A push that comes within a second of an earlier one meets a body that is still busy with that, and says
+/// nothing. `None` without a push of at most a second.
 pub fn speed_ratio(track: &Track, dynamics: &Dynamics, pushes: &[KnownPush]) -> Option<f64> {
     let motion = track.motion;
-    let mass = motion.body.mass;
     let ratio = |push: &KnownPush| {
         let direction = push.force.try_normalize()?;
         let until = push.end + SPEED_SPAN;
@@ -114,6 +116,7 @@ pub fn speed_ratio(track: &Track, dynamics: &Dynamics, pushes: &[KnownPush]) -> 
         if impulse <= 0.0 || samples.is_empty() {
             return None;
         }
+        let mass = track.mass(samples.start);
         let before = dynamics.velocity[samples.start].dot(direction);
         let peak = samples.map(|sample| dynamics.velocity[sample].dot(direction) - before).fold(0.0, f64::max);
         Some(peak * mass / impulse)
@@ -121,6 +124,10 @@ pub fn speed_ratio(track: &Track, dynamics: &Dynamics, pushes: &[KnownPush]) -> 
     pushes
         .iter()
         .filter(|push| push.end > push.start && push.end - push.start <= LONGEST_PUSH + 1e-9)
+        .filter(|push| {
+            let busy = |other: &KnownPush| other.start < push.start && other.end + BUSY > push.start;
+            !pushes.iter().any(|other| busy(other) && other.end - other.start <= LONGEST_PUSH + 1e-9)
+        })
         .filter_map(ratio)
         .max_by(|a, b| (a - 1.0).abs().total_cmp(&(b - 1.0).abs()))
 }

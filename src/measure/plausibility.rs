@@ -12,7 +12,7 @@ use super::score::{ANKLE_SPEED, score};
 use super::support::{Support, support};
 use super::zmp::{self, ZmpFindings};
 use super::{HeldContact, KnownPush, MOVING_SPEED, Motion, Track, percentile};
-use crate::model::{Terrain, report::Plausibility};
+use crate::model::{Load, Terrain, report::Plausibility};
 
 /// Everything that was found.
 #[derive(Clone, Debug)]
@@ -62,6 +62,17 @@ pub fn measure_on(
     pushes: &[KnownPush],
 ) -> Option<Findings> {
     Some(measure_track(&Track::over(motion, terrain)?, contacts, pushes, terrain.friction))
+}
+
+/// The same of a body that carries something.
+pub fn measure_carrying(
+    motion: Motion,
+    terrain: &Terrain,
+    loads: &[Load],
+    contacts: &[HeldContact],
+    pushes: &[KnownPush],
+) -> Option<Findings> {
+    Some(measure_track(&Track::over(motion, terrain)?.carrying(loads), contacts, pushes, terrain.friction))
 }
 
 fn measure_track(track: &Track, contacts: &[HeldContact], pushes: &[KnownPush], friction: f64) -> Findings {

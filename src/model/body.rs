@@ -57,6 +57,8 @@ pub struct Body {
     /// m, left and right, from the middle plane at rest: how far out the middle of a hanging hand must be to clear the
     /// hips, the thighs and what they wear. 0 without a mesh.
     pub flanks: [f64; 2],
+    /// m, at rest: how far the mesh of the trunk reaches ahead of the hips joint, at the waist. 0 without a mesh.
+    pub belly: f64,
 }
 
 /// One joint of the body.

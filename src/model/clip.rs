@@ -48,6 +48,19 @@ pub enum KeyValues {
     Translation(Vec<[f32; 3]>),
     /// Local rotation, unit quaternions x, y, z, w; neighbours on the same hemisphere.
     Rotation(Vec<[f32; 4]>),
+    /// Local scale: only of legs that a scenario makes longer or shorter, and constant.
+    Scale(Vec<[f32; 3]>),
+}
+
+impl KeyValues {
+    /// The property that it drives, as glTF calls it.
+    pub fn path(&self) -> &'static str {
+        match self {
+            KeyValues::Translation(_) => "translation",
+            KeyValues::Rotation(_) => "rotation",
+            KeyValues::Scale(_) => "scale",
+        }
+    }
 }
 
 /// glTF interpolation; what Surefoot writes is linear (slerp for rotations) or step.

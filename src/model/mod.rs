@@ -2,6 +2,8 @@
 
 pub mod body;
 pub mod clip;
+mod leg_scale;
+pub mod load;
 pub mod physique;
 pub mod pose;
 pub mod props;
@@ -17,6 +19,7 @@ pub mod terrain;
 
 pub use body::{Body, BodyJoint, FootShape, Segment, Side};
 pub use clip::{Channel, Clip, Interpolation, KeyValues, Target};
+pub use load::Load;
 pub use physique::{Physique, Plant};
 pub use pose::BodyPose;
 pub use props::Prop;

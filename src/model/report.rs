@@ -90,6 +90,12 @@ pub struct Event {
     pub name: String,
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub foot: Option<Side>,
+    /// Of a ball_hit: the bone that it met.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub bone: Option<String>,
+    /// Of a ball_hit: N s.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub impulse: Option<f64>,
 }
 
 /// A disturbance as it was applied. `force`: mean over start..end, N, document world.

@@ -46,7 +46,7 @@ pub struct Scenario {
 pub struct Character {
     /// kg; `None`: from the rig.
     pub mass: Option<f64>,
-    /// Times the rig's legs.
+    /// Times the rig's legs: thighs and shanks grow in every direction, feet and upper body stay as they are.
     pub leg_scale: f64,
     /// 0..1; 0.5 halves the leg's rest length.
     pub crouch: f64,
@@ -230,7 +230,8 @@ pub struct Throw {
     pub spread: f64,
 }
 
-/// A box in both hands.
+/// A box in both hands. They come up for it in the 0.6 s before its start; there it appears in them, and its weight is taken
+/// over in 0.4 s. At the end the same in reverse. From time 0, and to the end of the scenario, it is simply held.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Carry {
     /// s.

@@ -4,22 +4,18 @@ use super::scenario::{Character, Scenario};
 use super::scenario_errors::Fault;
 
 impl Scenario {
-    /// What the scenario asks for that this version cannot bake: pushes and pulls are all there is.
+    /// What the scenario asks for that this version cannot bake.
     pub fn unavailable(&self) -> Vec<Fault> {
         let mut faults = Vec::new();
         let mut not_yet = |path: String, what: &str| {
             faults.push(Fault {
                 path,
-                message: format!("{what} not available yet: this version bakes push and pull"),
+                message: format!("{what} not available yet in this version"),
                 remedy: "take it out of the scenario for now".to_owned(),
             });
         };
         let (character, ordinary) = (&self.character, Character::default());
-        let dials = [
-            ("leg_scale", character.leg_scale != ordinary.leg_scale),
-            ("crouch", character.crouch != ordinary.crouch),
-            ("recovery_time", character.style.recovery_time != ordinary.style.recovery_time),
-        ];
+        let dials = [("crouch", character.crouch != ordinary.crouch)];
         for (key, turned) in dials {
             if turned {
                 not_yet(format!("character.{key}"), &format!("`{key}` is"));
@@ -28,12 +24,7 @@ impl Scenario {
         if self.base.is_some() {
             not_yet("base".to_owned(), "a base clip is");
         }
-        let lanes = [
-            ("crouch", self.crouch.len()),
-            ("stand", self.stand.len()),
-            ("throw", self.throw.len()),
-            ("carry", self.carry.len()),
-        ];
+        let lanes = [("crouch", self.crouch.len()), ("stand", self.stand.len())];
         for (lane, count) in lanes {
             for index in 0..count {
                 not_yet(format!("{lane}.{index}"), &format!("[[{lane}]] is"));
@@ -46,7 +37,7 @@ impl Scenario {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::scenario::Walk;
+    use crate::model::scenario::Base;
 
     #[test]
     fn the_demo_can_be_baked() {
@@ -56,19 +47,20 @@ mod tests {
     #[test]
     fn a_dial_that_does_nothing_yet_may_stand_where_it_is() {
         let mut scenario = Scenario::demo();
+        scenario.character.crouch = 0.2;
         scenario.character.leg_scale = 1.2;
         scenario.character.style.recovery_time = 0.9;
         scenario.character.style.arms = 0.9;
         let paths: Vec<String> = scenario.unavailable().into_iter().map(|fault| fault.path).collect();
-        assert_eq!(paths, ["character.leg_scale", "character.recovery_time"]);
+        assert_eq!(paths, ["character.crouch"]);
     }
 
     #[test]
     fn what_cannot_be_baked_yet_is_named() {
-        let walk = Walk { start: 0.5, duration: None, speed: 1.0, heading: 0.0, facing: None };
-        let scenario = Scenario { walk: vec![walk], ..Scenario::demo() };
+        let base = Base { clip: Some("Idle".to_owned()), file: None };
+        let scenario = Scenario { base: Some(base), ..Scenario::demo() };
         let faults = scenario.unavailable();
-        assert_eq!(faults.iter().map(|fault| fault.path.as_str()).collect::<Vec<_>>(), ["walk.0"]);
-        assert!(faults[0].message.contains("not available yet: this version bakes push and pull"));
+        assert_eq!(faults.iter().map(|fault| fault.path.as_str()).collect::<Vec<_>>(), ["base"]);
+        assert!(faults[0].message.contains("not available yet in this version"));
     }
 }

@@ -412,10 +412,10 @@ mod tests {
 
     #[test]
     fn what_is_not_available_yet_has_its_line() {
-        let (scenario, source) = read("w.toml", "\n[[walk]]\nstart = 0.5\nspeed = 1.0\n").expect("it is good");
+        let (scenario, source) = read("w.toml", "\n[base]\nclip = \"Idle\"\n").expect("it is good");
         let errors = source.errors(&scenario.unavailable());
         assert_eq!(errors.line_column(&errors.faults[0]).0, 2);
-        assert!(errors.to_string().starts_with("w.toml:2:1: `walk.0`: [[walk]] is not available yet"), "{errors}");
+        assert!(errors.to_string().starts_with("w.toml:2:1: `base`: a base clip is not available yet"), "{errors}");
     }
 
     #[test]

@@ -103,7 +103,13 @@ pub(crate) mod tests {
 
     /// A push from the left at 0.6 s, one step with the right foot and one after it with the left.
     pub(crate) fn pushed() -> ClipReport {
-        let event = |time: f64, name: &str, foot: Option<Side>| Event { time, name: name.to_owned(), foot };
+        let event = |time: f64, name: &str, foot: Option<Side>| Event {
+            time,
+            name: name.to_owned(),
+            foot,
+            bone: None,
+            impulse: None,
+        };
         let contact = |foot: Side, part: Part, start: f64, end: f64| Contact {
             foot,
             part,

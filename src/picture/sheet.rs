@@ -327,6 +327,7 @@ mod tests {
                 images: vec![],
                 image_files: vec![],
             },
+            leg_scales: Default::default(),
             joint_nodes: (0..body.joints.len()).map(|joint| Some(joint + 1)).collect(),
             nodes,
             document_from_scenario: Similarity { scale: 100.0, rotation: axes, translation: DVec3::ZERO },

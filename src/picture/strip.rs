@@ -100,6 +100,7 @@ pub(crate) mod tests {
             height: 1.78,
             leg_length: 0.84,
             flanks: [0.0; 2],
+            belly: 0.0,
         }
     }
 

@@ -209,7 +209,7 @@ impl<'a> Poser<'a> {
                 Trs {
                     translation: if moved { bind.translation } else { local.translation },
                     rotation: if turned || drives[node].is_some() { bind.rotation } else { local.rotation },
-                    scale: local.scale,
+                    scale: local.scale * rig.leg_scales.get(&node).copied().unwrap_or(1.0),
                 }
             })
             .collect();
@@ -245,7 +245,8 @@ impl<'a> Poser<'a> {
         self.under_new_root[node]
     }
 
-    /// Nodes whose rest differs from what the document says, so that a clip must hold it: node, translation, rotation.
+    /// Nodes whose rest differs from what the document says, so that a clip must hold it: node, translation, rotation. Scales:
+    /// [`Rig::leg_scales`].
     pub fn held(&self) -> Vec<(usize, bool, bool)> {
         (0..self.reference.len())
             .map(|node| {
@@ -340,7 +341,7 @@ fn hangs_from_its_parent(rig: &Rig, drives: &[Option<Drive>], node: usize) -> bo
 }
 
 /// The joint that an Unreal IK bone follows.
-fn ik_role(name: &str) -> Option<Role> {
+pub(super) fn ik_role(name: &str) -> Option<Role> {
     let name = name.rsplit([':', '|']).next().unwrap_or(name).to_ascii_lowercase().replace(['.', '-', ' '], "_");
     match name.as_str() {
         "ik_foot_l" => Some(Role::LeftFoot),

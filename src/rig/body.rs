@@ -117,8 +117,26 @@ pub fn derive(input: &BodyInput) -> DerivedBody {
         .sum::<f64>()
         / 2.0;
     let flanks = flanks(input.mesh, &skin, &places, height);
-    let body = Body { joints, segments, feet, mass, height, leg_length, flanks };
+    let belly = belly(&skin, &places, height);
+    let body = Body { joints, segments, feet, mass, height, leg_length, flanks, belly };
     DerivedBody { body, joint_nodes, warnings, confidence_factor }
+}
+
+/// m, how far the trunk's mesh reaches ahead of the hips joint between hips and elbows, near the middle plane; 0 without one.
+fn belly(skin: &Skin, places: &BTreeMap<Role, DVec3>, height: f64) -> f64 {
+    let place = |role: Role| places.get(&role).copied();
+    let (Some(hips), Some(shoulder), Some(elbow)) =
+        (place(Role::Hips), place(Role::LeftUpperArm), place(Role::LeftLowerArm))
+    else {
+        return 0.0;
+    };
+    let high = shoulder.y - 0.6 * shoulder.distance(elbow);
+    [Role::Hips, Role::Spine, Role::Chest]
+        .into_iter()
+        .flat_map(|role| skin.of(role))
+        .filter(|vertex| vertex.y > hips.y && vertex.y < high && (vertex.x - hips.x).abs() < 0.08 * height)
+        .map(|vertex| vertex.z - hips.z)
+        .fold(0.0, f64::max)
 }
 
 /// The right foot as the exact mirror image of the left, where they are so but for the noise of a mesh.

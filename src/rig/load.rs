@@ -79,5 +79,6 @@ pub fn load_bytes(name: &str, bytes: &[u8], resolve: &Resolve, overrides: Option
         document_from_scenario: similarity,
         mapping,
         mesh: parts,
+        leg_scales: BTreeMap::new(),
     })
 }

@@ -14,6 +14,7 @@ mod flanks;
 pub mod geometry;
 pub mod images;
 pub mod inspect;
+mod leg_scale;
 pub mod load;
 pub mod mannequin;
 mod mannequin_document;
@@ -58,6 +59,8 @@ pub struct Rig {
     pub mapping: Mapping,
     /// What is drawn, at bind pose, for soles, segment sizes and pictures.
     pub mesh: Vec<MeshPart>,
+    /// Nodes that a clip must hold scaled, and by which factor: see [`Rig::with_leg_scale`]. Empty for a rig as it was loaded.
+    pub leg_scales: BTreeMap<usize, f64>,
 }
 
 /// The source document: its JSON as it stands in the file and its buffers, resolved.

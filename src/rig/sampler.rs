@@ -24,7 +24,7 @@ pub struct SampledPose {
 pub struct Sampler<'a> {
     rig: &'a Rig,
     order: Vec<usize>,
-    tracks: Vec<[Option<Track<'a>>; 2]>, // (nodes) translation, rotation
+    tracks: Vec<[Option<Track<'a>>; 3]>, // (nodes) translation, rotation, scale
     root: [Option<Track<'a>>; 2],
     under_new_root: Vec<bool>,
     joints: Vec<Option<(usize, DMat3, DVec3)>>, // (body joints) node, inverse of its bind orientation, joint to node at rest
@@ -51,12 +51,13 @@ impl<'a> Sampler<'a> {
     /// Prepares to read a clip. Channels of nodes that the rig lacks are passed over.
     pub fn new(rig: &'a Rig, clip: &'a Clip) -> Sampler<'a> {
         let order = rig.parents_first();
-        let mut tracks: Vec<[Option<Track<'a>>; 2]> = vec![[None, None]; rig.nodes.len()];
+        let mut tracks: Vec<[Option<Track<'a>>; 3]> = vec![[None, None, None]; rig.nodes.len()];
         let mut root = [None, None];
         for channel in &clip.channels {
             let (path, count) = match &channel.values {
                 KeyValues::Translation(keys) => (0, keys.len()),
                 KeyValues::Rotation(keys) => (1, keys.len()),
+                KeyValues::Scale(keys) => (2, keys.len()),
             };
             if channel.times.is_empty() || count != channel.times.len() {
                 continue;
@@ -69,7 +70,7 @@ impl<'a> Sampler<'a> {
             };
             match channel.target {
                 Target::Node(node) if node < tracks.len() => tracks[node][path] = Some(track),
-                Target::NewRoot => root[path] = Some(track),
+                Target::NewRoot if path < 2 => root[path] = Some(track),
                 _ => {}
             }
         }
@@ -114,13 +115,16 @@ impl<'a> Sampler<'a> {
             base
         };
         for &node in &self.order {
-            let [translation, rotation] = &mut self.tracks[node];
+            let [translation, rotation, scale] = &mut self.tracks[node];
             let mut local = self.rig.nodes[node].local;
             if let Some(track) = translation {
                 local.translation = track.translation(time);
             }
             if let Some(track) = rotation {
                 local.rotation = track.rotation(time);
+            }
+            if let Some(track) = scale {
+                local.scale = track.translation(time);
             }
             let parent = match self.rig.nodes[node].parent {
                 Some(parent) => self.globals[parent],
@@ -187,7 +191,7 @@ impl Track<'_> {
     fn translation(&mut self, time: f64) -> DVec3 {
         let (from, to, share) = self.place(time);
         match self.values {
-            KeyValues::Translation(keys) => vector(keys[from]).lerp(vector(keys[to]), share),
+            KeyValues::Translation(keys) | KeyValues::Scale(keys) => vector(keys[from]).lerp(vector(keys[to]), share),
             KeyValues::Rotation(_) => DVec3::ZERO,
         }
     }
@@ -197,7 +201,7 @@ impl Track<'_> {
         match self.values {
             KeyValues::Rotation(keys) if share == 0.0 => quaternion(keys[from]),
             KeyValues::Rotation(keys) => slerp(quaternion(keys[from]), quaternion(keys[to]), share),
-            KeyValues::Translation(_) => DQuat::IDENTITY,
+            KeyValues::Translation(_) | KeyValues::Scale(_) => DQuat::IDENTITY,
         }
     }
 }

@@ -3,8 +3,8 @@
 //! Scenario space, SI units. A lane's entry holds from its start until the next one's, or for its duration.
 
 use super::session::SessionPush;
-use crate::model::Terrain;
 use crate::model::scenario::{Crouch, Feet, Scenario, Stand, Turn, Walk};
+use crate::model::{Physique, Terrain};
 use crate::stepper::Inputs;
 use glam::DVec2;
 
@@ -25,6 +25,8 @@ pub struct Script {
     pub stand: Vec<Stand>,
     /// 0..1, how low it goes where the lane says nothing.
     pub crouched: f64,
+    /// Tick by tick, the measures of the body with what it carries; the last holds on. Empty: as the body stands.
+    pub physiques: Vec<Physique>,
 }
 
 impl Script {
@@ -38,6 +40,7 @@ impl Script {
             crouch: Vec::new(),
             stand: Vec::new(),
             crouched: 0.0,
+            physiques: Vec::new(),
         }
     }
 
@@ -51,6 +54,7 @@ impl Script {
             crouch: scenario.crouch.clone(),
             stand: scenario.stand.clone(),
             crouched: scenario.character.crouch,
+            physiques: Vec::new(),
         }
     }
 

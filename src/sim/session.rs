@@ -49,6 +49,7 @@ impl Default for SimulateOptions {
 pub struct Session {
     params: Params,
     physique: Physique,
+    style: Style,
     terrain: Terrain,
     state: State,
     dt: f64,
@@ -60,8 +61,15 @@ impl Session {
     pub fn new(physique: &Physique, terrain: &Terrain, style: &Style, dt: f64) -> Session {
         let params = Params::new(physique, style);
         let state = State::standing(&params, physique, terrain, DVec2::ZERO, 0.0);
-        let mut session =
-            Session { params, physique: *physique, terrain: terrain.clone(), state, dt, last: still(&state) };
+        let mut session = Session {
+            params,
+            physique: *physique,
+            style: *style,
+            terrain: terrain.clone(),
+            state,
+            dt,
+            last: still(&state),
+        };
         session.last = session.record(&Inputs::default());
         session
     }
@@ -72,6 +80,13 @@ impl Session {
         let output = stepper::tick(&self.params, &self.physique, &self.terrain, &mut self.state, &inputs, self.dt);
         self.last = self.record(&inputs);
         output
+    }
+
+    /// From now on with those measures: what it carries weighs more or less. All that is tuned to a body follows.
+    pub fn set_physique(&mut self, physique: &Physique) {
+        if *physique != self.physique {
+            (self.physique, self.params) = (*physique, Params::new(physique, &self.style));
+        }
     }
 
     /// The controller's state.
@@ -110,6 +125,7 @@ pub fn simulate_pushes(physique: &Physique, pushes: &[SessionPush], options: &Si
 /// Runs to the end: the asked duration, and on until at rest (at most `extra` s) unless it is told to walk on; it stops
 /// where balance is lost.
 pub fn simulate(physique: &Physique, script: &Script, options: &SimulateOptions) -> Trace {
+    let physique = script.physiques.first().unwrap_or(physique);
     let mut session = Session::new(physique, &script.terrain, &options.style, options.dt);
     let start = session.state.held;
     let planned = ticks_in(options.duration, options.dt);
@@ -124,6 +140,9 @@ pub fn simulate(physique: &Physique, script: &Script, options: &SimulateOptions)
         let done = session.state.rest >= settle && session.state.intent.is_none();
         if ticks.len() > planned && (done || intent.walk.is_some_and(|walk| walk != DVec2::ZERO)) {
             break;
+        }
+        if let Some(physique) = script.physiques.get(ticks.len()).or(script.physiques.last()) {
+            session.set_physique(physique);
         }
         session.resolve(&mut pushes);
         let output = session.step(&intent, &pushes);

@@ -37,6 +37,15 @@ pub struct Style {
     pub leg_change: bool,
     /// 0..1, how readily it steps rather than sways; 0.5 as people do.
     pub readiness: f64,
+    /// 0..1, how long it takes over coming back to a comfortable stand; 0.5 as people do, 0 half of it, 1 twice.
+    pub recovery_time: f64,
+}
+
+impl Style {
+    /// Times people's, how long the way back to a comfortable stand takes.
+    pub fn unhurried(&self) -> f64 {
+        4_f64.powf(self.recovery_time.clamp(0.0, 1.0) - 0.5)
+    }
 }
 
 impl Default for Style {
@@ -51,6 +60,7 @@ impl Default for Style {
             ankle_feedback: true,
             leg_change: true,
             readiness: 0.5,
+            recovery_time: 0.5,
         }
     }
 }
@@ -169,16 +179,16 @@ impl Params {
             margin,
             inner: 0.008 * size,
             outer: 0.05 * (style.readiness.clamp(0.0, 1.0) - 0.5) * size,
-            gain: 1.0,
+            gain: 1.0 / style.unhurried(),
             lag: 0.036 * tempo,
             sense: 0.06 * tempo,
             instant: 1e-9 * tempo,
             reaction: dial(0.20, 0.11, 0.0) * tempo,
             swing: dial(0.36, 0.30, 0.22) * tempo,
-            follow_swing: dial(0.42, 0.37, 0.30) * tempo,
-            comfort_swing: 0.46 * tempo,
+            follow_swing: dial(0.42, 0.37, 0.30) * tempo * style.unhurried().sqrt(),
+            comfort_swing: 0.46 * tempo * style.unhurried(),
             double_support: dial(0.08, 0.06, 0.02) * tempo,
-            pause: 0.35 * tempo,
+            pause: 0.35 * tempo * style.unhurried(),
             reach: dial(0.85, 1.0, 1.45) * legs_reach,
             ankle_speed: dial(6.0, 8.0, 16.0) * pace,
             gap,

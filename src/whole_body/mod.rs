@@ -4,10 +4,12 @@
 //! the wanted one and bends the legs to the feet; [`reaction`] decides what trunk, head and arms do. Scenario space.
 
 pub mod anatomy;
+pub mod grip;
 pub mod reaction;
 pub mod solve;
 pub mod stand;
 pub mod stride;
 
 pub use anatomy::Anatomy;
-pub use solve::{ArmAngles, FootTarget, PoseTarget, Solver};
+pub use grip::Grip;
+pub use solve::{ArmAngles, FootTarget, Hold, PoseTarget, Solver};

@@ -65,6 +65,7 @@ pub struct Reaction {
     physique: Physique,
     personality: Personality,
     arms_dial: f64,
+    unhurried: f64,
     lean: [Spring; 2],      // sideways (left positive), forwards
     head: [Spring; 2],      // what the head keeps of it
     pelvis_yaw: Spring,     // relative to facing, left positive
@@ -85,6 +86,7 @@ impl Reaction {
             physique: *physique,
             personality,
             arms_dial,
+            unhurried: 1.0,
             lean: Default::default(),
             head: Default::default(),
             pelvis_yaw: Spring::default(),
@@ -97,6 +99,11 @@ impl Reaction {
             fall: DVec2::ZERO,
             arms: Default::default(),
         }
+    }
+
+    /// The same, coming back to rest in so many times people's time.
+    pub fn unhurried(self, times: f64) -> Self {
+        Self { unhurried: times, ..self }
     }
 
     /// One tick of `dt` s; returns the angles at its end.
@@ -189,7 +196,7 @@ impl Reaction {
         let delay = ((0.12 + 0.02 * self.personality.arms_delay) * scale / dt).round() as usize;
         let heard =
             if self.alarm_line.len() > delay { self.alarm_line[self.alarm_line.len() - 1 - delay] } else { 0.0 };
-        let time = if heard > self.alarm { 0.07 } else { 0.40 } * scale;
+        let time = if heard > self.alarm { 0.07 } else { 0.40 * self.unhurried } * scale;
         self.alarm += (heard - self.alarm) * (1.0 - (-dt / time).exp());
         if raw > 0.0 {
             let towards = off.normalize_or_zero();
@@ -202,7 +209,7 @@ impl Reaction {
         let aside = self.fall.x.abs();
         let sum = (back + forth + aside).max(1e-6);
         let dial = self.arms_dial * 2.0 * (1.0 + 0.12 * self.personality.arms_gain);
-        let omega = TAU * (1.05 + 0.75 * self.alarm) / scale;
+        let omega = TAU * (1.05 / self.unhurried.sqrt() + 0.75 * self.alarm) / scale;
         for side in Side::BOTH {
             // Far: the arm on the side that the body falls away from. It goes higher.
             let far = -side.sign() * self.fall.x.signum() * f64::from(self.fall.x != 0.0);

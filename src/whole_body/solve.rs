@@ -26,6 +26,33 @@ pub struct PoseTarget {
     pub arms: [ArmAngles; 2],
     /// Left and right.
     pub feet: [FootTarget; 2],
+    /// A box in both hands: `com` is then that of body and box together.
+    pub hold: Option<Hold>,
+}
+
+/// A box in both hands, rigid with the upper trunk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hold {
+    /// kg.
+    pub mass: f64,
+    /// The joint that it moves with.
+    pub joint: usize,
+    /// m, its centre from that joint at rest.
+    pub centre: DVec3,
+    /// 0..1, from arms that do as they are told to arms that hold the box.
+    pub weight: f64,
+    /// Left and right: upper arm and forearm, turned from hanging straight down, relative to the chest.
+    pub arms: [[DQuat; 2]; 2],
+    /// rad, how far the chest leans back for it.
+    pub lean: f64,
+}
+
+impl PoseTarget {
+    /// The same with a box in the hands, the trunk leaning back.
+    pub fn holding(self, hold: Hold) -> PoseTarget {
+        let back = |share: f64| DQuat::from_rotation_x(-share * hold.lean);
+        PoseTarget { pelvis: self.pelvis * back(0.25), chest: self.chest * back(1.0), hold: Some(hold), ..self }
+    }
 }
 
 /// Joint angles of an arm, rad, from hanging straight down with the palm inwards.
@@ -119,7 +146,13 @@ impl<'a> Solver<'a> {
             upper_moment += segment.mass * (self.positions[segment.joint] + pose.turns[segment.joint] * segment.centre);
             upper_mass += segment.mass;
         }
-        pose.hips = target.com - upper_moment / body.mass * 1.3;
+        let mut mass = body.mass;
+        if let Some(hold) = &target.hold {
+            upper_moment += hold.mass * (self.positions[hold.joint] + pose.turns[hold.joint] * hold.centre);
+            upper_mass += hold.mass;
+            mass += hold.mass;
+        }
+        pose.hips = target.com - upper_moment / mass * 1.3;
         let mut solved = [two_bone_ik(DVec3::Y, DVec3::ZERO, 0.5, 0.5, DVec3::Z, 1.0); 2];
         let mut hips = [DVec3::ZERO; 2];
         let mut error = f64::INFINITY;
@@ -133,7 +166,7 @@ impl<'a> Solver<'a> {
             for segment in body.segments.iter().filter(|segment| self.lower.contains(&segment.joint)) {
                 moment += segment.mass * (self.positions[segment.joint] + pose.turns[segment.joint] * segment.centre);
             }
-            let miss = target.com - moment / body.mass;
+            let miss = target.com - moment / mass;
             error = miss.length();
             if error < COM_TOLERANCE {
                 break;
@@ -172,7 +205,8 @@ impl<'a> Solver<'a> {
             let sign = side.sign();
             if let Some(shoulder) = arm.shoulder {
                 // The collar bone follows a third of what the arm lifts past 30 degrees.
-                let lift = ((angles.abduct.abs().max(angles.raise.abs()) - 0.52).max(0.0)) * 0.33;
+                let free = target.hold.map_or(1.0, |hold| 1.0 - hold.weight);
+                let lift = ((angles.abduct.abs().max(angles.raise.abs()) - 0.52).max(0.0)) * 0.33 * free;
                 put(turns, shoulder, target.chest * DQuat::from_rotation_z(sign * lift) * upright);
             }
             // Hands that hang clear something wide; those of a lifted arm are past it.
@@ -182,7 +216,14 @@ impl<'a> Solver<'a> {
                 * DQuat::from_rotation_z(sign * abduct)
                 * DQuat::from_rotation_x(-angles.raise)
                 * DQuat::from_rotation_y(-sign * angles.inward);
-            let lower = upper * DQuat::from_rotation_x(-angles.elbow);
+            let mut lower = upper * DQuat::from_rotation_x(-angles.elbow);
+            let (mut upper, mut curl) = (upper, angles.curl);
+            if let Some(hold) = target.hold.filter(|hold| hold.weight > 0.0) {
+                let [above, below] = hold.arms[side as usize];
+                upper = upper.slerp(target.chest * above, hold.weight);
+                lower = lower.slerp(target.chest * below, hold.weight);
+                curl *= 1.0 - 0.5 * hold.weight;
+            }
             put(turns, arm.upper, upper * arm.upper_down);
             put(turns, arm.lower, lower * arm.lower_down);
             put(turns, arm.hand, lower * arm.lower_down);
@@ -193,7 +234,7 @@ impl<'a> Solver<'a> {
                 let share = if thumb { 0.3 } else { 1.0 };
                 // In the hanging hand the palm faces inwards: fingers curl about the hand's own fore-aft axis.
                 let axis = lower * DVec3::new(0.0, 0.0, -sign);
-                let turn = DQuat::from_axis_angle(axis, angles.curl * share) * turns[parent];
+                let turn = DQuat::from_axis_angle(axis, curl * share) * turns[parent];
                 put(turns, *finger, turn);
             }
         }

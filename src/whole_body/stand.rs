@@ -4,7 +4,7 @@
 //! that read as a relaxed adult; style dials and base clips change them elsewhere.
 
 use super::anatomy::Anatomy;
-use super::solve::{ArmAngles, FootTarget, PoseTarget, Solved, Solver};
+use super::solve::{ArmAngles, FootTarget, Hold, PoseTarget, Solved, Solver};
 use crate::maths::quat::yaw_of;
 use crate::model::{Body, Side};
 use crate::model::{Physique, Plant};
@@ -83,11 +83,17 @@ pub fn stand_target(body: &Body, plants: &[Plant; 2], com: DVec3, facing: f64) -
         head: yaw,
         arms: [relaxed_arms(); 2],
         feet: Side::BOTH.map(|side| flat_foot(body, side, &plants[side as usize])),
+        hold: None,
     }
 }
 
 /// Measures the body in its natural stand: what the stepper needs to know.
 pub fn physique(body: &Body, anatomy: &Anatomy) -> Physique {
+    physique_holding(body, anatomy, None)
+}
+
+/// The same with a box in the hands: mass and height of the centre of mass are those of both together.
+pub fn physique_holding(body: &Body, anatomy: &Anatomy, hold: Option<Hold>) -> Physique {
     let leg_length = (anatomy.legs[0].length() + anatomy.legs[1].length()) * 0.5;
     let mean = |value: fn(&crate::model::FootShape) -> f64| (value(&body.feet[0]) + value(&body.feet[1])) * 0.5;
     let (heel, tip, half_width) = (mean(|f| f.heel), mean(|f| f.foremost()), mean(|f| f.half_width));
@@ -97,11 +103,12 @@ pub fn physique(body: &Body, anatomy: &Anatomy) -> Physique {
     let plants = natural_plants(stance_width, com_forward);
     // The height at which the longer-stretched leg reaches the stand's stretch, by bisection: the pose decides.
     let mut solver = Solver::new(body, anatomy);
-    let (mut low, mut high) = (0.3 * body.height, body.height);
+    let (mut low, mut high) = (0.1 * body.height, body.height);
     let mut solved = None;
     for _ in 0..30 {
         let height = 0.5 * (low + high);
-        let pose = solver.solve(&stand_target(body, &plants, DVec3::new(0.0, height, 0.0), 0.0));
+        let target = stand_target(body, &plants, DVec3::new(0.0, height, 0.0), 0.0);
+        let pose = solver.solve(&hold.map_or(target, |hold| target.holding(hold)));
         let stretch = Side::BOTH
             .map(|side| {
                 let ankle = plants[side as usize].ankle + DVec3::Y * body.feet[side as usize].ankle_height;
@@ -118,7 +125,7 @@ pub fn physique(body: &Body, anatomy: &Anatomy) -> Physique {
     }
     let hip_height = solved.map_or(leg_length, |pose: Solved| (pose.hips[0].y + pose.hips[1].y) * 0.5);
     Physique {
-        mass: body.mass,
+        mass: body.mass + hold.map_or(0.0, |hold| hold.mass),
         com_height: low,
         leg_length,
         hip_height,
