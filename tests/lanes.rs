@@ -10,7 +10,7 @@ use surefoot::bake::{BakeOptions, Baked, RootMotion, bake};
 use surefoot::export::glb_with_props;
 use surefoot::measure::{Frame, Motion, measure_on};
 use surefoot::model::report::{Event, Outcome};
-use surefoot::model::scenario::{Carry, Direction, Push, Scenario, Throw, Turn};
+use surefoot::model::scenario::{Carry, Direction, Push, Scenario, Throw, Turn, Walk};
 use surefoot::model::{Role, Side};
 use surefoot::rig::Rig;
 
@@ -159,6 +159,23 @@ fn the_hands_stay_at_the_box_through_a_shove() {
         println!("{name}: hands move {:.1} mm at the box", worst * 1e3);
         assert!(worst < 0.006 * rig.body.height, "{name}: {worst}");
     }
+}
+
+#[test]
+fn a_walk_goes_on_at_its_speed_with_a_box_that_grows_heavy() {
+    let (_, rig) = rigs().swap_remove(0);
+    let walk = Walk { start: 0.5, duration: None, speed: 1.0, heading: 0.0, facing: None };
+    let carry = Carry { mass: vec![[0.0, 5.0], [6.0, 25.0]], ..box_of(0.0) };
+    let title = "walk with a box".to_owned();
+    let scenario =
+        Scenario { title, duration: 9.0, walk: vec![walk], carry: vec![carry], push: Vec::new(), ..Scenario::demo() };
+    let baked = baked(&rig, &scenario);
+    feet_hold("walk with a box", &baked);
+    written(&rig, &baked, "walk_with_a_box");
+    let ticks = &baked.performance.trace.ticks;
+    let speed = (ticks[880].com.z - ticks[480].com.z) / 4.0;
+    println!("it walks at {speed:.3} m/s");
+    assert!((speed - 1.0).abs() < 0.1, "{speed} m/s");
 }
 
 #[test]

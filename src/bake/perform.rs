@@ -111,7 +111,7 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         lowering: vec![0.0; count],
         walking: walking(ticks, trace.dt, scale),
         bends: [Vec::new(), Vec::new()],
-        upper: upper_body(ticks, trace.dt, &physique, seed, scenario),
+        upper: upper_body(ticks, trace.dt, (&physique, &script.physiques), seed, scenario),
         feet: feet::FootCurves::new(body, &physique, &start, &steps, still_until, scale, &terrain),
         terrain,
         carried,
@@ -279,7 +279,13 @@ fn check(trace: &Trace) -> Result<(), BakeError> {
     Ok(())
 }
 
-fn upper_body(ticks: &[TickState], dt: f64, physique: &Physique, seed: u64, scenario: &Scenario) -> Vec<UpperAngles> {
+fn upper_body(
+    ticks: &[TickState],
+    dt: f64,
+    (physique, loaded): (&Physique, &[Physique]),
+    seed: u64,
+    scenario: &Scenario,
+) -> Vec<UpperAngles> {
     let mut draw = Seed::new(seed);
     let mut one = || draw.between(-1.0, 1.0);
     let personality = Personality {
@@ -303,7 +309,12 @@ fn upper_body(ticks: &[TickState], dt: f64, physique: &Physique, seed: u64, scen
         planted: tick.planted,
         facing: tick.facing,
     };
-    ticks.iter().map(|tick| reaction.tick(&senses(tick), dt)).collect()
+    let mut angles = Vec::with_capacity(ticks.len());
+    for (index, tick) in ticks.iter().enumerate() {
+        reaction.weigh(loaded.get(index).unwrap_or(physique).mass);
+        angles.push(reaction.tick(&senses(tick), dt));
+    }
+    angles
 }
 
 /// The stepper's dials from the scenario's.
