@@ -53,7 +53,6 @@ impl Default for SimulateOptions {
 pub struct Session {
     params: Params,
     physique: Physique,
-    style: Style,
     terrain: Terrain,
     state: State,
     dt: f64,
