@@ -57,6 +57,7 @@ pub struct Session {
     state: State,
     dt: f64,
     last: TickState,
+    style: Style,
     whole: Physique,
     crouch: Spring,
 }
