@@ -1,33 +1,32 @@
-//! Lanes and keys that concern the body: leg_scale, [[throw]], [[carry]], recovery_time. `--nocapture` prints what was measured.
+//! Lanes and keys that concern the body: [[throw]], [[carry]], recovery_time. `--nocapture` prints what was measured.
 
 #![expect(clippy::print_stdout, reason = "tests tell what they measured")]
 
-use crate::export::{baked_path, json_of, reads_back};
-use crate::limits_grid::{EIGHT, THIRD_PARTY, rigs, shove};
-use crate::synthetic;
+use crate::export::baked_path;
+use crate::limits_grid::{THIRD_PARTY, rigs, shove};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use surefoot::bake::{BakeOptions, Baked, RootMotion, bake};
 use surefoot::export::glb_with_props;
 use surefoot::measure::{Frame, Motion, measure_on};
 use surefoot::model::report::{Event, Outcome};
-use surefoot::model::scenario::{Carry, Direction, Push, Scenario, Throw, Turn};
-use surefoot::model::{Body, Role, Side};
+use surefoot::model::scenario::{Carry, Direction, Push, Scenario, Throw, Turn, Walk};
+use surefoot::model::{Role, Side};
 use surefoot::rig::Rig;
 
 /// Rigs of the larger tests: names of those that stand for the rest.
 const FEW: [&str; 5] = ["builtin", "m2m_human_male", "gdquest_mannequiny", "kaykit_Knight", "godette_vrm0"];
 
-fn few() -> Vec<(String, Rig)> {
+pub fn few() -> Vec<(String, Rig)> {
     rigs().into_iter().filter(|(name, _)| FEW.contains(&name.as_str())).collect()
 }
 
-fn baked(rig: &Rig, scenario: &Scenario) -> Baked {
+pub fn baked(rig: &Rig, scenario: &Scenario) -> Baked {
     bake(rig, scenario, &BakeOptions::default()).expect("the simulation holds")
 }
 
 /// Writes a clip with its props to where the validator looks, and reads it back.
-fn written(rig: &Rig, baked: &Baked, name: &str) -> Vec<u8> {
+pub fn written(rig: &Rig, baked: &Baked, name: &str) -> Vec<u8> {
     let clips = [(baked.clip.clone(), baked.report.clone())];
     let file = glb_with_props(rig, &clips, &baked.props).expect("it can be written").bytes;
     let path = baked_path(&format!("lanes_{name}.glb"));
@@ -39,7 +38,7 @@ fn written(rig: &Rig, baked: &Baked, name: &str) -> Vec<u8> {
 }
 
 /// Issue A's limits on the feet.
-fn feet_hold(name: &str, baked: &Baked) {
+pub fn feet_hold(name: &str, baked: &Baked) {
     let found = &baked.report.plausibility;
     println!(
         "{name}: {:?}, {} steps, slip {:.2} mm, sink {:.2} mm, ZMP {:.1} %, residual {:.3} {:.3}, score {:.2}",
@@ -55,159 +54,6 @@ fn feet_hold(name: &str, baked: &Baked) {
     assert!(found.slip_max_mm < 2.0, "{name}: slip {}", found.slip_max_mm);
     assert!(found.penetration_max_mm < 5.0, "{name}: {} mm under the ground", found.penetration_max_mm);
     assert!(baked.report.outcome != Outcome::Fall, "{name} falls");
-}
-
-fn on_legs(rig: &Rig, scale: f64) -> Scenario {
-    let mut scenario = shove(&rig.body.with_leg_scale(scale), 270.0, 60.0);
-    scenario.title = format!("legs {scale}");
-    scenario.character.leg_scale = scale;
-    scenario
-}
-
-/// m, the farthest that a joint of the legs, any joint, and any at time 0, of the file (read with the rig as it was loaded)
-/// is from where the pose says.
-fn farthest(rig: &Rig, baked: &Baked) -> [(f64, &'static str); 3] {
-    let timeline = &baked.performance.timeline;
-    let longer = rig.with_leg_scale(timeline.body.leg_length / rig.body.leg_length);
-    let bind = longer.bind_globals();
-    let mut sampler = rig.sampler(&baked.clip);
-    let mut worst = [(0.0, ""); 3];
-    for key in 0..=(baked.clip.duration * baked.clip.fps) as usize {
-        let time = key as f64 / baked.clip.fps;
-        let pose = timeline.pose_at(time);
-        let positions = pose.positions(&timeline.body);
-        let globals = sampler.node_globals(time);
-        for (joint, node) in rig.joint_nodes.iter().enumerate() {
-            let Some(node) = node.filter(|_| rig.body.joints[joint].animated) else { continue };
-            let offset = bind[node].translation - timeline.body.joints[joint].rest;
-            let off = globals[node].translation.distance(positions[joint] + pose.turns[joint] * offset);
-            let off = off * (1.7 / timeline.body.height).min(1.0);
-            let name = rig.body.joints[joint].role.name();
-            let of_leg = ["hips", "Leg", "Foot", "Toes"].iter().any(|part| name.contains(part));
-            for (worst, counts) in worst.iter_mut().zip([of_leg, true, key == 0]) {
-                if counts && off > worst.0 {
-                    *worst = (off, name);
-                }
-            }
-        }
-    }
-    worst
-}
-
-#[test]
-fn a_file_on_longer_or_shorter_legs_has_its_joints_where_the_pose_has_them() {
-    let made = synthetic::troubles().into_iter().map(|(name, trouble)| (name.to_owned(), synthetic::rig(trouble)));
-    let all: Vec<(String, Rig)> = rigs().into_iter().chain(made).collect();
-    let cells: Vec<(&(String, Rig), f64)> = all.iter().flat_map(|rig| [0.7, 1.3].map(|scale| (rig, scale))).collect();
-    let lines: Vec<(String, [f64; 3])> = cells
-        .par_iter()
-        .map(|((name, rig), scale)| {
-            let baked = baked(rig, &on_legs(rig, *scale));
-            let [(leg, of_leg), (off, joint), (first, _)] = farthest(rig, &baked);
-            let line = format!("{name} x {scale}: {:.3} mm at {of_leg}, {:.3} mm at {joint}", leg * 1e3, off * 1e3);
-            (line, [leg, off, first])
-        })
-        .collect();
-    for (line, _) in &lines {
-        println!("{line}");
-    }
-    for (line, [leg, off, first]) in &lines {
-        // Keys are thinned: 0.1 degrees in every joint of the upper body are millimetres at the tip of a finger. At time 0
-        // everything has its key.
-        assert!(*first < 0.2e-3 && *leg < 2e-3 && *off < 7e-3, "{line}, {:.4} mm at the start", first * 1e3);
-    }
-}
-
-#[test]
-fn legs_grow_and_feet_and_trunk_do_not() {
-    for (name, rig) in few() {
-        for scale in [0.25, 0.7, 1.3, 4.0] {
-            let scenario = Scenario { push: Vec::new(), duration: 1.0, ..on_legs(&rig, scale) };
-            let baked = baked(&rig, &scenario);
-            let place = |role: Role, scaled: bool| {
-                let node = rig.joint_nodes[rig.body.joint(role)?].filter(|node| *node < rig.nodes.len())?;
-                if scaled {
-                    Some(rig.sampler(&baked.clip).node_globals(0.5)[node].translation)
-                } else {
-                    Some(rig.bind_globals()[node].translation)
-                }
-            };
-            let ratio = |from: Role, to: Role| {
-                let length = |scaled: bool| Some(place(from, scaled)?.distance(place(to, scaled)?));
-                length(true).zip(length(false)).map(|(now, before)| now / before)
-            };
-            use Role::*;
-            for (from, to) in [(LeftUpperLeg, LeftLowerLeg), (LeftLowerLeg, LeftFoot), (RightLowerLeg, RightFoot)] {
-                let got = ratio(from, to).expect("it has legs");
-                assert!((got / scale - 1.0).abs() < 2e-3, "{name} x {scale}: {} {got}", from.name());
-            }
-            for (from, to) in [(LeftFoot, LeftToes), (LeftUpperArm, LeftLowerArm), (Hips, Head)] {
-                let Some(got) = ratio(from, to).filter(|_| from != Hips || name == "builtin") else { continue };
-                let least = if from == Hips { 0.02 } else { 2e-3 }; // the spine bends
-                assert!((got - 1.0).abs() < least, "{name} x {scale}: {} {got}", from.name());
-            }
-            assert!(baked.report.plausibility.slip_max_mm < 0.5, "{name} x {scale}: {:?}", baked.report.plausibility);
-            assert!(baked.report.outcome == Outcome::Still, "{name} x {scale}: {:?}", baked.report.outcome);
-        }
-    }
-}
-
-#[test]
-fn characters_on_other_legs_recover_and_keep_their_feet() {
-    for (name, rig) in few() {
-        for scale in [0.7, 1.3] {
-            let baked = baked(&rig, &on_legs(&rig, scale));
-            feet_hold(&format!("{name} x {scale}"), &baked);
-            let file = written(&rig, &baked, &format!("legs_{scale}_{name}"));
-            let scales = baked.clip.channels.iter().filter(|channel| channel.values.path() == "scale");
-            let (json, _) = json_of(&file);
-            let before = rig.document.json["nodes"].as_array().map_or(0, Vec::len);
-            assert!(scales.clone().count() >= 4, "{name}: thighs and feet");
-            assert!(scales.clone().all(|channel| channel.times == [0.0]), "{name}: they hold");
-            for node in 0..before {
-                let of = |json: &serde_json::Value| json["nodes"][node]["scale"].clone();
-                assert_eq!(of(&json), of(&rig.document.json), "{name}: the document does not change");
-            }
-        }
-    }
-}
-
-#[test]
-fn legs_of_any_length_recover_as_often_as_the_rigs_own() {
-    let (_, rig) = rigs().swap_remove(0);
-    let share = |scale: f64| {
-        let cells: Vec<(f64, f64)> =
-            EIGHT.iter().flat_map(|way| [60.0, 100.0].map(|impulse| (*way, impulse))).collect();
-        let up = |(way, impulse): &(f64, f64)| {
-            let mut scenario = shove(&rig.body.with_leg_scale(scale), *way, *impulse);
-            scenario.character.leg_scale = scale;
-            let found = baked(&rig, &scenario);
-            let plausible = &found.report.plausibility;
-            let held = plausible.slip_max_mm < 2.0 && plausible.penetration_max_mm < 5.0;
-            [found.report.outcome != Outcome::Fall, held]
-        };
-        let all: Vec<[bool; 2]> = cells.par_iter().map(up).collect();
-        [0, 1].map(|which| all.iter().filter(|one| one[which]).count())
-    };
-    let own = share(1.0);
-    for scale in [0.25, 0.5, 0.7, 1.3, 2.0, 4.0] {
-        let [up, held] = share(scale);
-        println!(
-            "legs x {scale}: {up} of 16 stand, {held} of 16 keep their feet; the rig's own {} and {}",
-            own[0], own[1]
-        );
-        if (0.7..=1.3).contains(&scale) {
-            assert!(up >= own[0] && held >= own[1], "x {scale}");
-        }
-    }
-}
-
-#[test]
-fn a_clip_on_its_own_legs_has_no_scale() {
-    let (_, rig) = rigs().swap_remove(0);
-    let baked = baked(&rig, &shove(&rig.body, 0.0, 60.0));
-    assert!(baked.clip.channels.iter().all(|channel| channel.values.path() != "scale"));
-    reads_back(&rig, &baked.clip, &glb_with_props(&rig, &[(baked.clip.clone(), baked.report)], &[]).expect("ok").bytes);
 }
 
 fn box_of(kg: f64) -> Carry {
@@ -313,6 +159,23 @@ fn the_hands_stay_at_the_box_through_a_shove() {
         println!("{name}: hands move {:.1} mm at the box", worst * 1e3);
         assert!(worst < 0.006 * rig.body.height, "{name}: {worst}");
     }
+}
+
+#[test]
+fn a_walk_goes_on_at_its_speed_with_a_box_that_grows_heavy() {
+    let (_, rig) = rigs().swap_remove(0);
+    let walk = Walk { start: 0.5, duration: Some(6.0), speed: 1.0, heading: 0.0, facing: None };
+    let carry = Carry { mass: vec![[0.0, 5.0], [6.0, 25.0]], ..box_of(0.0) };
+    let title = "walk with a box".to_owned();
+    let scenario =
+        Scenario { title, duration: 9.0, walk: vec![walk], carry: vec![carry], push: Vec::new(), ..Scenario::demo() };
+    let baked = baked(&rig, &scenario);
+    feet_hold("walk with a box", &baked);
+    written(&rig, &baked, "walk_with_a_box");
+    let ticks = &baked.performance.trace.ticks;
+    let speed = (ticks[630].com.z - ticks[230].com.z) / 4.0;
+    println!("it walks at {speed:.3} m/s");
+    assert!((speed - 1.0).abs() < 0.1, "{speed} m/s");
 }
 
 #[test]
@@ -490,19 +353,5 @@ fn scaled_legs_and_a_box_walk_the_root_motions() {
         let options = BakeOptions { root, ..BakeOptions::default() };
         let baked = bake(&rig, &scenario, &options).expect("the simulation holds");
         feet_hold(root.name(), &baked);
-    }
-}
-
-#[test]
-fn a_body_on_other_legs_weighs_the_same_and_stands_on_the_same_ground() {
-    for (name, rig) in few() {
-        for scale in [0.25, 1.3, 4.0] {
-            let body: Body = rig.body.with_leg_scale(scale);
-            let sum: f64 = body.segments.iter().map(|segment| segment.mass).sum();
-            assert!((sum - rig.body.mass).abs() < 1e-9 && body.mass == rig.body.mass, "{name}");
-            assert!((body.leg_length / rig.body.leg_length - scale).abs() < 1e-9, "{name}");
-            let ankles = |body: &Body| body.feet.iter().map(|foot| body.joints[foot.ankle].rest.y).sum::<f64>();
-            assert!((ankles(&body) - ankles(&rig.body)).abs() < 1e-9, "{name}: soles stay on the ground");
-        }
     }
 }

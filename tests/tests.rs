@@ -18,8 +18,10 @@ mod export_real;
 mod ground;
 /// Files that are broken, malicious or of another kind.
 mod hostile;
-/// Legs of any length, balls, boxes, and how long a recovery takes.
+/// Balls, boxes, and how long a recovery takes.
 mod lanes;
+/// Legs of any length.
+mod legs;
 /// Slip, sole, joints, ZMP and the rest of the limits, on shoves of every rig.
 mod limits;
 /// Rigs x directions x impulses, and the table of what came out; `benches/limits.rs` prints it.

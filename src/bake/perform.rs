@@ -117,7 +117,7 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         lowering: vec![0.0; count],
         walking: walking(ticks, trace.dt, scale),
         bends: [Vec::new(), Vec::new()],
-        upper: upper_body(ticks, trace.dt, &physique, seed, scenario),
+        upper: upper_body(ticks, trace.dt, (&physique, &script.physiques), seed, scenario),
         feet: feet::FootCurves::new(body, &physique, &start, &steps, still_until, scale, &terrain),
         terrain,
         carried,
@@ -235,6 +235,11 @@ fn run(
     let com = DVec3::Y * physique.com_height;
     let standing = Solver::new(body, anatomy).solve(&stand::stand_target(body, &plants, com, 0.0));
     let positions = standing.pose.positions(body);
+    // What is carried lifts the centre of mass.
+    let height = |time: f64| {
+        let tick = (time / options.dt).round() as usize;
+        script.physiques.get(tick).or(script.physiques.last()).unwrap_or(physique).com_height
+    };
     let pushes: Vec<SessionPush> = pushes
         .iter()
         .map(|(push, turns)| SessionPush {
@@ -243,9 +248,9 @@ fn run(
             force: push.force,
             turns: *turns,
             arm: match push.at {
-                PushPoint::Joint(joint) => positions[joint].y - physique.com_height,
+                PushPoint::Joint(joint) => positions[joint].y - height(push.start),
                 PushPoint::Segment(joint, offset) => {
-                    (positions[joint] + standing.pose.turns[joint] * offset).y - physique.com_height
+                    (positions[joint] + standing.pose.turns[joint] * offset).y - height(push.start)
                 }
                 _ => 0.0,
             },
@@ -280,7 +285,13 @@ fn check(trace: &Trace) -> Result<(), BakeError> {
     Ok(())
 }
 
-fn upper_body(ticks: &[TickState], dt: f64, physique: &Physique, seed: u64, scenario: &Scenario) -> Vec<UpperAngles> {
+fn upper_body(
+    ticks: &[TickState],
+    dt: f64,
+    (physique, loaded): (&Physique, &[Physique]),
+    seed: u64,
+    scenario: &Scenario,
+) -> Vec<UpperAngles> {
     let mut draw = Seed::new(seed);
     let mut one = || draw.between(-1.0, 1.0);
     let personality = Personality {
@@ -307,7 +318,12 @@ fn upper_body(ticks: &[TickState], dt: f64, physique: &Physique, seed: u64, scen
         planted: tick.planted,
         facing: tick.facing,
     };
-    ticks.iter().enumerate().map(|(index, tick)| reaction.tick(&senses(tick, index as f64 * dt), dt)).collect()
+    let mut angles = Vec::with_capacity(ticks.len());
+    for (index, tick) in ticks.iter().enumerate() {
+        reaction.weigh(loaded.get(index).unwrap_or(physique).mass);
+        angles.push(reaction.tick(&senses(tick, index as f64 * dt), dt));
+    }
+    angles
 }
 
 /// The stepper's dials from the scenario's.

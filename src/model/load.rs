@@ -52,3 +52,35 @@ pub fn along(points: &[[f64; 2]], time: f64) -> f64 {
         (None, None) => 0.0,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mass_follows_its_lines_and_is_nothing_outside_of_its_span() {
+        let mass = vec![[1.0, 2.0], [3.0, 10.0]];
+        let load =
+            Load { joint: 0, centre: DVec3::ZERO, level: DQuat::IDENTITY, size: DVec3::ONE, mass, span: [0.5, 4.0] };
+        for (time, kg) in [(0.4, 0.0), (0.5, 2.0), (2.0, 6.0), (3.0, 10.0), (4.0, 10.0), (4.1, 0.0)] {
+            assert!((load.mass_at(time) - kg).abs() < 1e-12, "{time}: {}", load.mass_at(time));
+        }
+        assert_eq!(along(&[], 1.0), 0.0);
+    }
+
+    #[test]
+    fn a_long_box_is_hard_to_turn_across_its_length_however_it_is_held() {
+        let load = Load {
+            joint: 0,
+            centre: DVec3::ZERO,
+            level: DQuat::IDENTITY,
+            size: DVec3::new(1.2, 0.1, 0.1),
+            mass: vec![[0.0, 12.0]],
+            span: [0.0, 1.0],
+        };
+        let straight = load.inertia(12.0, DQuat::IDENTITY);
+        assert!((straight.x_axis.x - 0.02).abs() < 1e-12 && (straight.y_axis.y - 1.45).abs() < 1e-12, "{straight}");
+        let turned = load.inertia(12.0, DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2));
+        assert!((turned.z_axis.z - 0.02).abs() < 1e-12 && (turned.x_axis.x - 1.45).abs() < 1e-12, "{turned}");
+    }
+}

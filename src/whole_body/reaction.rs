@@ -110,6 +110,11 @@ impl Reaction {
         Self { unhurried: times, ..self }
     }
 
+    /// From now on that heavy (kg): what it carries counts.
+    pub fn weigh(&mut self, mass: f64) {
+        self.physique.mass = mass;
+    }
+
     /// One tick of `dt` s; returns the angles at its end.
     pub fn tick(&mut self, senses: &Senses, dt: f64) -> UpperAngles {
         let scale = (self.physique.com_height / 0.96).sqrt(); // times are for a centre of mass at 0.96 m
