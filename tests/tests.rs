@@ -32,6 +32,8 @@ mod picture;
 mod rig_variants;
 /// Real rigs: bones, height, heading, unit.
 mod rigs;
+/// On one foot, and crouched.
+mod stances;
 /// The controller: standing, recovering, stepping.
 mod stepper;
 /// Rigs and motions made by hand for the modules above.

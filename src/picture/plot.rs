@@ -100,10 +100,10 @@ impl Colour {
 /// px.
 const WIDTH: u32 = 1000;
 const TITLE: u32 = 40;
-const PANEL: u32 = 170;
+const PANEL: u32 = 185;
 const ROW: u32 = 24;
 const AXIS: u32 = 34;
-const LEFT: u32 = 64;
+const LEFT: u32 = 66;
 
 /// The bytes of an SVG file.
 pub fn svg(plot: &Plot) -> String {
@@ -140,7 +140,8 @@ fn draw_panel<'a>(plot: &Plot, panel: &Panel, area: &Area<'a>) -> Result<(), Fai
     let (low, high) = bounds(panel);
     let mut chart = ChartBuilder::on(area)
         .margin_right(12)
-        .margin_top(6)
+        .margin_top(4)
+        .caption(&panel.label, ("sans-serif", 13))
         .x_label_area_size(20)
         .y_label_area_size(LEFT)
         .build_cartesian_2d(0.0..plot.duration.max(1e-3), low..high)?;
@@ -153,9 +154,7 @@ fn draw_panel<'a>(plot: &Plot, panel: &Panel, area: &Area<'a>) -> Result<(), Fai
         .y_labels(5)
         .y_label_formatter(&|value| format!("{value:.2}"))
         .x_label_formatter(&|value| format!("{value:.1}"))
-        .y_desc(&panel.label)
         .label_style(("sans-serif", 11))
-        .axis_desc_style(("sans-serif", 12))
         .draw()?;
     let mark = Colour::Red.rgb().mix(0.15).filled();
     chart.draw_series(panel.marks.iter().map(|(from, to)| Rectangle::new([(*from, low), (*to, high)], mark)))?;
@@ -179,7 +178,7 @@ fn draw_panel<'a>(plot: &Plot, panel: &Panel, area: &Area<'a>) -> Result<(), Fai
     if panel.lines.len() > 1 {
         chart
             .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
+            .position(SeriesLabelPosition::LowerRight)
             .background_style(WHITE.mix(0.8))
             .label_font(("sans-serif", 11))
             .draw()?;

@@ -3,10 +3,14 @@
 //! A studio keeps a [`Session`] and pushes a live character; a bake calls [`simulate_pushes`] and gets the trace.
 
 use super::{Script, TickState, Trace};
+use crate::maths::spring::Spring;
 use crate::model::Terrain;
-use crate::stepper::{self, Inputs, Params, Physique, State, Style, TickOutput, ground};
+use crate::model::scenario::Feet;
+use crate::stepper::{self, Inputs, Params, Physique, State, Step, Style, TickOutput, ground};
 use glam::{DQuat, DVec2, DVec3};
 
+/// The share of the leg by which the deepest crouch shortens it.
+const DEEPEST: f64 = 0.6;
 /// s, the length of a tick.
 pub const TICK: f64 = 0.01;
 
@@ -49,11 +53,13 @@ impl Default for SimulateOptions {
 pub struct Session {
     params: Params,
     physique: Physique,
-    style: Style,
     terrain: Terrain,
     state: State,
     dt: f64,
     last: TickState,
+    style: Style,
+    whole: Physique,
+    crouch: Spring,
 }
 
 impl Session {
@@ -64,11 +70,13 @@ impl Session {
         let mut session = Session {
             params,
             physique: *physique,
-            style: *style,
             terrain: terrain.clone(),
             state,
             dt,
             last: still(&state),
+            style: *style,
+            whole: *physique,
+            crouch: Spring::default(),
         };
         session.last = session.record(&Inputs::default());
         session
@@ -76,6 +84,7 @@ impl Session {
 
     /// One tick with that intent under those pushes (those that are acting by their times).
     pub fn step(&mut self, intent: &Inputs, pushes: &[SessionPush]) -> TickOutput {
+        self.bend(intent.crouch);
         let inputs = acting(*intent, pushes, self.state.time, self.dt);
         let output = stepper::tick(&self.params, &self.physique, &self.terrain, &mut self.state, &inputs, self.dt);
         self.last = self.record(&inputs);
@@ -84,9 +93,45 @@ impl Session {
 
     /// From now on with those measures: what it carries weighs more or less. All that is tuned to a body follows.
     pub fn set_physique(&mut self, physique: &Physique) {
-        if *physique != self.physique {
-            (self.physique, self.params) = (*physique, Params::new(physique, &self.style));
+        if *physique != self.whole {
+            self.whole = *physique;
+            self.adapt();
         }
+    }
+
+    /// Starts that low already: only before the first tick.
+    pub fn crouched(&mut self, amount: f64) {
+        if self.state.tick == 0 && amount > 0.0 {
+            self.crouch.x = amount.min(DEEPEST);
+            self.adapt();
+            self.state = State::standing(&self.params, &self.physique, &self.terrain, DVec2::ZERO, 0.0);
+            self.last = self.record(&Inputs::default());
+        }
+    }
+
+    /// Goes as low as is wanted, in about half a second: to the controller it is a body with shorter legs.
+    fn bend(&mut self, amount: f64) {
+        let amount = amount.clamp(0.0, DEEPEST);
+        if self.crouch.x == amount && self.crouch.v == 0.0 {
+            return;
+        }
+        let tempo = (self.whole.com_height / 0.96).max(0.0).sqrt();
+        self.crouch.step(amount, 6.0 / tempo.max(1e-3), 0.95, self.dt);
+        if (self.crouch.x - amount).abs() < 1e-5 && self.crouch.v.abs() < 1e-4 {
+            self.crouch = Spring { x: amount, v: 0.0 };
+        }
+        self.adapt();
+    }
+
+    fn adapt(&mut self) {
+        let lower = self.crouch.x * self.whole.leg_length;
+        self.physique = Physique {
+            com_height: self.whole.com_height - lower,
+            hip_height: self.whole.hip_height - lower,
+            leg_length: self.whole.leg_length - lower,
+            ..self.whole
+        };
+        self.params = Params::new(&self.physique, &self.style);
     }
 
     /// The controller's state.
@@ -122,11 +167,12 @@ pub fn simulate_pushes(physique: &Physique, pushes: &[SessionPush], options: &Si
     simulate(physique, &Script::standing(pushes), options)
 }
 
-/// Runs to the end: the asked duration, and on until at rest (at most `extra` s) unless it is told to walk on; it stops
+/// Runs to the end: the asked duration, and on until at rest (at most `extra` s) unless it is told to walk on or to stand on one foot; it stops
 /// where balance is lost.
 pub fn simulate(physique: &Physique, script: &Script, options: &SimulateOptions) -> Trace {
     let physique = script.physiques.first().unwrap_or(physique);
     let mut session = Session::new(physique, &script.terrain, &options.style, options.dt);
+    session.crouched(script.intent(0.0).crouch);
     let start = session.state.held;
     let planned = ticks_in(options.duration, options.dt);
     let most = planned + ticks_in(options.extra, options.dt);
@@ -138,7 +184,8 @@ pub fn simulate(physique: &Physique, script: &Script, options: &SimulateOptions)
     while ticks.len() <= most {
         let intent = script.intent(session.state.time);
         let done = session.state.rest >= settle && session.state.intent.is_none();
-        if ticks.len() > planned && (done || intent.walk.is_some_and(|walk| walk != DVec2::ZERO)) {
+        let goes_on = intent.stand != Feet::Both || intent.walk.is_some_and(|walk| walk != DVec2::ZERO);
+        if ticks.len() > planned && (done || goes_on) {
             break;
         }
         if let Some(physique) = script.physiques.get(ticks.len()).or(script.physiques.last()) {
@@ -153,7 +200,15 @@ pub fn simulate(physique: &Physique, script: &Script, options: &SimulateOptions)
         }
     }
     session.resolve(&mut pushes);
-    Trace { dt: options.dt, ticks, steps, pushes, start, lost: session.state.lost, rest: session.state.rest }
+    let aloft = session.state.swing.map(|swing| Step {
+        side: swing.side,
+        kind: swing.kind,
+        lift: session.state.one.lifted.unwrap_or(swing.lift),
+        land: session.state.time,
+        from: session.state.held[swing.side as usize],
+        to: session.state.feet[swing.side as usize],
+    });
+    Trace { dt: options.dt, ticks, steps, aloft, pushes, start, lost: session.state.lost, rest: session.state.rest }
 }
 
 /// Whole ticks that cover that time; a day at most.

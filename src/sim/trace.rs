@@ -13,6 +13,8 @@ pub struct Trace {
     pub ticks: Vec<TickState>,
     /// Steps in the order of their lifts. A swing that the end cut off is not in it.
     pub steps: Vec<Step>,
+    /// The swing that the end cut off: its landing is the end's time and the foot's place in the air.
+    pub aloft: Option<Step>,
     /// The script's pushes in its order; those that turned with the character as they acted.
     pub pushes: Vec<SessionPush>,
     /// Where the feet stand at time 0: left, right.

@@ -2,7 +2,7 @@
 
 use super::foothold::{ankles, middle};
 use super::{Inputs, Params, Physique, State, Step, StepKind, Swing, TickOutput};
-use super::{balance::pressure, decide, footing, ground, legs, roll, swing, turn, walk};
+use super::{balance::pressure, decide, footing, ground, legs, roll, stand, swing, turn, walk};
 use crate::maths::pendulum::GRAVITY;
 use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
@@ -23,18 +23,26 @@ pub fn tick(
     perceive(params, physique, state, inputs, dt);
     walk::steer(params, terrain, state, inputs, dt);
     if state.swing.is_none() {
-        let (walking, lifted) = walk::both_down(params, physique, terrain, state, inputs, dt);
+        let (mut busy, mut lifted) = (false, None);
+        if state.gait.phase == walk::Phase::Rest {
+            (busy, lifted) = stand::both_down(params, physique, state, inputs);
+        }
+        if !busy {
+            (busy, lifted) = walk::both_down(params, physique, terrain, state, inputs, dt);
+        }
         output.lifted = lifted;
-        if !walking {
+        if !busy {
             decide::decide(params, physique, state);
             output.lifted = decide::lift(params, physique, terrain, state, dt);
         }
     }
+    stand::hold(params, physique, terrain, state, inputs, dt);
     decide::replan(params, physique, terrain, state, dt);
     if let Some(cop) = roll::pressure(params, physique, state, dt) {
         state.cop = cop;
     } else {
-        let wanted = pressure(params, physique, state);
+        let one = stand::pressure(params, physique, state);
+        let wanted = one.unwrap_or_else(|| pressure(params, physique, state));
         state.cop += (wanted - state.cop) * (1.0 - (-dt / params.lag).exp());
     }
     legs::integrate(params, physique, state, inputs, dt);
@@ -74,7 +82,7 @@ fn perceive(params: &Params, physique: &Physique, state: &mut State, inputs: &In
 fn advance(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut State, dt: f64) -> Option<Step> {
     let swing = state.swing?;
     if state.time < swing.land - 0.5 * dt {
-        state.feet[swing.side as usize] = swing::along(params, &swing, swing::phase(&swing, state.time));
+        state.feet[swing.side as usize] = swing::along(params, &swing, state.time);
         return None;
     }
     state.feet[swing.side as usize] = swing.to;
@@ -92,6 +100,7 @@ fn advance(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut 
         walk::landed(params, physique, state, swing.side);
     }
     let Swing { side, kind, lift, .. } = swing;
+    let lift = state.one.lifted.take().unwrap_or(lift);
     Some(Step { side, kind, lift, land: state.time, from, to })
 }
 

@@ -122,7 +122,7 @@ pub fn lift(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut
             params.swing * (1.0 - 0.12 * (speed.length() / 1.5).min(1.0)) * (1.0 - 0.14 * sideways)
         }
         StepKind::FollowUp | StepKind::Comfort if !intent.committed => return None,
-        StepKind::FollowUp | StepKind::Walk => params.follow_swing,
+        StepKind::FollowUp | StepKind::Walk | StepKind::Held => params.follow_swing,
         StepKind::Comfort => params.comfort_swing,
     };
     let ticks = (swing_time / dt).round().max(2.0);
@@ -197,7 +197,7 @@ fn followed(params: &Params, physique: &Physique, state: &State, side: Side, tim
 /// Aims the swing at where it is needed now; the last quarter flies as planned.
 pub fn replan(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut State, dt: f64) {
     let Some(mut swing) = state.swing else { return };
-    if swing::phase(&swing, state.time) > 0.75 {
+    if swing.kind == StepKind::Held || swing::phase(&swing, state.time) > 0.75 {
         return;
     }
     let left_over = swing.land - state.time;

@@ -110,7 +110,7 @@ pub fn pivot(
     let ahead = turn::rotated(state.ahead, amid);
     let velocity = turn::rotated(state.gait.velocity, amid);
     let mut pivot = gait::pivot(rhythm, walk::omega(params, physique), side, yaws, ahead, velocity);
-    let slack = params.leg_bias * (physique.com_height - state.com.y);
+    let slack = params.walk_bias * (physique.com_height - state.com.y);
     let slack = velocity.normalize_or_zero() * slack;
     pivot.lead += slack;
     pivot.then += slack;
@@ -168,7 +168,8 @@ fn landing(
     Footfall { plant: Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), yaw), off, wait, time }
 }
 
-/// The nearest landing that legs can do in `fly` s: on the foot's own side, or across in front of the other one.
+/// The nearest landing that legs can do in `fly` s: on the foot's own side, or across in front of the other one
+/// or behind it.
 fn bounded(
     params: &Params,
     physique: &Physique,
@@ -189,7 +190,12 @@ fn bounded(
         let (beside, before) = (relative.dot(out), relative.dot(ahead));
         if across {
             ankle += out * (-params.most_across - beside).max(0.0);
-            ankle += ahead * (params.pass + 0.5 * beside.max(0.0) - before).max(0.0);
+            let clear = params.pass + 0.5 * beside.max(0.0);
+            if (wanted - rear).dot(ahead) < 0.0 {
+                ankle -= ahead * (clear + before).max(0.0);
+            } else {
+                ankle += ahead * (clear - before).max(0.0);
+            }
         } else {
             let past = (before.abs() / foot).min(1.0);
             ankle += out * (params.step_gap * (1.0 - 0.7 * past * past) - beside).max(0.0);

@@ -52,7 +52,8 @@ pub fn integrate(params: &Params, physique: &Physique, state: &mut State, inputs
         .fold(f64::INFINITY, f64::min);
     let height = physique.com_height;
     let off = if walking { off.min(0.23 * physique.leg_length * physique.leg_length) } else { off };
-    let arc = params.slip_arc * (height - (height * height - off.min(0.5 * height * height)).sqrt());
+    let share = if walking { params.walk_arc } else { params.slip_arc };
+    let arc = share * (height - (height * height - off.min(0.5 * height * height)).sqrt());
     state.arc += (arc - state.arc) * (1.0 - (-dt / (0.06 * params.tempo)).exp());
 }
 

@@ -17,6 +17,7 @@ mod gait;
 mod legs;
 pub mod params;
 mod roll;
+mod stand;
 pub mod state;
 pub mod support;
 mod swing;
@@ -25,6 +26,7 @@ mod walk;
 
 pub use control::tick;
 pub use params::{Params, Style, Trigger};
+pub use stand::OneFoot;
 pub use state::{Inputs, Intent, Passing, State, Swing, TickOutput};
 pub use support::{Support, SupportModel};
 pub use walk::{Gait, Phase};
@@ -45,6 +47,8 @@ pub enum StepKind {
     FollowUp,
     /// Back into a comfortable stand.
     Comfort,
+    /// Lifted and held in the air while the other foot carries, and set down where it stood.
+    Held,
 }
 
 /// A step that was taken: exact times and places.

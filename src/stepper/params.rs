@@ -121,6 +121,8 @@ pub struct Params {
     pub trail: f64,       // m, the trailing foot starts when the centre of mass is so far from it and leaving
     pub lift_height: f64, // m, of the swinging ankle
     // Gait.
+    pub walk_arc: f64,    // as slip_arc: more of the vault shows in a walk
+    pub walk_bias: f64,   // as leg_bias, of a step of the gait
     pub twist_most: f64,  // rad, a turn that leaves the feet behind by more is stepped
     pub turned: f64,      // rad, and by less than so is done
     pub rolls: bool,      // the pressure rolls under the feet
@@ -213,12 +215,14 @@ impl Params {
             trail: 0.36 * physique.leg_length,
             lift_height: (0.05 + 0.08 * style.step_height.clamp(0.0, 1.0)) * size,
             rolls: style.ankle_feedback,
+            walk_arc: 0.95,
+            walk_bias: 1.0,
             twist_most: 0.35,
             turned: 0.12,
             ramp: 0.8 * pace / tempo,
             step_width: (0.10 * size).max(2.0 * physique.half_width + 0.005 * size),
             step_gap: (0.09 * size).max(2.0 * physique.half_width),
-            stumble: 0.35 * size,
+            stumble: dial(1.2, 1.0, 0.65) * size,
             least_swing: dial(0.34, 0.28, 0.20) * tempo,
 
             brief: 0.45 * tempo,

@@ -1,5 +1,6 @@
 //! The controller's state, what it is told each tick and what it says. Plain values, scenario space, SI units.
 
+use super::stand::OneFoot;
 use super::support::{Support, Tread};
 use super::walk::Gait;
 use super::{Params, Physique, Plant, Step, StepKind, footing, ground, support};
@@ -108,6 +109,8 @@ pub struct State {
     pub swing: Option<Swing>,
     /// The gait.
     pub gait: Gait,
+    /// Standing on one foot.
+    pub one: OneFoot,
     /// The step decided on.
     pub intent: Option<Intent>,
     /// rad, where the pelvis points.
@@ -176,6 +179,7 @@ impl State {
             held,
             swing: None,
             gait: Gait::still(params.lead),
+            one: OneFoot::default(),
             intent: None,
             facing,
             ahead: support::forward(facing),

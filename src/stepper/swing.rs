@@ -1,7 +1,7 @@
 //! The swinging foot's way through the air: a cubic Bezier on the ground, bowed around the stance leg, and a lift that
 //! starts and ends at rest. Scenario space, metres.
 
-use super::{Params, Plant, StepKind, Swing, ground};
+use super::{Params, Plant, StepKind, Swing, ground, stand};
 use glam::{DVec2, DVec3};
 
 /// How far along its way a swing is, 0..1, by the clock.
@@ -9,8 +9,13 @@ pub fn phase(swing: &Swing, time: f64) -> f64 {
     ((time - swing.lift) / (swing.land - swing.lift)).clamp(0.0, 1.0)
 }
 
-/// Where the foot is at that phase.
-pub fn along(params: &Params, swing: &Swing, phase: f64) -> Plant {
+/// Where the foot is at that time.
+pub fn along(params: &Params, swing: &Swing, time: f64) -> Plant {
+    if swing.kind == StepKind::Held {
+        let height = stand::height(params, swing, time);
+        return Plant::level(swing.from.ankle + DVec3::Y * height, swing.from.yaw);
+    }
+    let phase = phase(swing, time);
     let eased = if swing.kind == StepKind::Walk { phase * phase * (3.0 - 2.0 * phase) } else { ease(phase) };
     let (from, to) = (ground(swing.from.ankle), ground(swing.to.ankle));
     let path = bezier(from, to, swing.detour, eased);

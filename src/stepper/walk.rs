@@ -279,6 +279,6 @@ pub fn landed(params: &Params, physique: &Physique, state: &mut State, side: Sid
 
 /// 1/s, the pendulum's rate at the height of a walking centre of mass.
 pub fn omega(params: &Params, physique: &Physique) -> f64 {
-    let share = if params.leg_change { 0.975 } else { 1.0 };
+    let share = if params.leg_change { 0.965 } else { 1.0 };
     pendulum::rate((share * physique.com_height).max(1e-3))
 }
