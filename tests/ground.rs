@@ -56,19 +56,21 @@ fn twenty(name: &str, kind: &GroundKind, heading: f64) -> (usize, f64) {
                 through += 1;
                 speeds.push(held_speed(&trace, heading, speed));
             }
-            Some(time) => println!("{name}: seed {seed} fell at {time:.1} s"),
+            Some(time) => eprintln!("{name}: seed {seed} fell at {time:.1} s"),
         }
     }
     let mean = speeds.iter().sum::<f64>() / speeds.len().max(1) as f64;
-    println!("{name}: {through} of 20 walk for 20 s, speed {mean:.3} of the commanded");
+    eprintln!("{name}: {through} of 20 walk for 20 s, speed {mean:.3} of the commanded");
     (through, mean)
 }
 
 #[test]
 fn walks_up_down_and_across_a_slope_of_25_degrees() {
-    for (name, degrees, heading) in
-        [("25 degrees up", 25.0, 0.0), ("25 degrees down", -25.0, 0.0), ("25 degrees across", 25.0, 1.5708)]
-    {
+    for (name, degrees, heading) in [
+        ("25 degrees up", 25.0, 0.0),
+        ("25 degrees down", -25.0, 0.0),
+        ("25 degrees across", 25.0, std::f64::consts::FRAC_PI_2),
+    ] {
         let (through, speed) = twenty(name, &GroundKind::Slope { angle: f64::to_radians(degrees) }, heading);
         assert_eq!(through, 20, "{name}");
         assert!((speed - 1.0).abs() < 0.05, "{name}: {speed}");
@@ -144,16 +146,17 @@ fn stays_upright_on_a_gyrating_platform_under_pushes() {
         let mut upright = 0;
         for seed in 0..10 {
             let mut draw = Seed::new(seed);
-            let pushes: Vec<SessionPush> =
-                (1..12).map(|index| shove(5.0 * f64::from(index), draw.between(0.0, 6.283), 100.0)).collect();
+            let pushes: Vec<SessionPush> = (1..12)
+                .map(|index| shove(5.0 * f64::from(index), draw.between(0.0, std::f64::consts::TAU), 100.0))
+                .collect();
             let script = Script { terrain: terrain(gyrating()), ..Script::standing(&pushes) };
             let trace = simulate(&Physique::REFERENCE, &script, &options(60.0, agility));
             match trace.lost {
                 None => upright += 1,
-                Some(time) => println!("platform, agility {agility}: seed {seed} fell at {time:.1} s"),
+                Some(time) => eprintln!("platform, agility {agility}: seed {seed} fell at {time:.1} s"),
             }
         }
-        println!("platform to 45 degrees, agility {agility}: {upright} of 10 upright for 60 s");
+        eprintln!("platform to 45 degrees, agility {agility}: {upright} of 10 upright for 60 s");
         assert!(agility < 1.0 || upright == 10);
     }
 }
@@ -182,7 +185,7 @@ fn a_push_on_a_slope_is_caught_as_on_the_flat() {
     let mut all = 0;
     for degrees in [25.0, -25.0] {
         for eighth in 0..8 {
-            let pushes = vec![shove(0.3, f64::from(eighth) * 0.7854, 300.0)];
+            let pushes = vec![shove(0.3, f64::from(eighth) * std::f64::consts::FRAC_PI_4, 300.0)];
             let kind = GroundKind::Slope { angle: f64::to_radians(degrees) };
             let script = Script { terrain: terrain(kind), ..Script::standing(&pushes) };
             let trace = simulate(&Physique::REFERENCE, &script, &options(8.0, 0.5));
@@ -190,6 +193,6 @@ fn a_push_on_a_slope_is_caught_as_on_the_flat() {
             all += 1;
         }
     }
-    println!("60 Ns on slopes of 25 degrees: {caught} of {all} at rest again");
+    eprintln!("60 Ns on slopes of 25 degrees: {caught} of {all} at rest again");
     assert!(caught == all);
 }
