@@ -119,6 +119,17 @@ impl FootCurves {
             .map_or(0.0, |swing| bump(swing.along(time)).sqrt())
     }
 
+    /// s between the last two landings of the foot that landed last before that time.
+    pub fn stride_before(&self, time: f64) -> Option<f64> {
+        let lands = |side: Side| {
+            let mut lands =
+                self.feet[side as usize].swings.iter().rev().map(|swing| swing.land).filter(|land| *land <= time);
+            lands.next().zip(lands.next())
+        };
+        let newest = Side::BOTH.into_iter().filter_map(lands).max_by(|a, b| a.0.total_cmp(&b.0));
+        newest.map(|(last, before)| last - before)
+    }
+
     /// s since the foot last landed; infinite before its first step.
     pub fn since_landing(&self, side: Side, time: f64) -> f64 {
         let swings = &self.feet[side as usize].swings;

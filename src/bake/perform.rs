@@ -112,6 +112,7 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         anatomy,
         dt: trace.dt,
         still_until,
+        surprises: pushes.iter().map(|push| push.start).collect(),
         com: path.collect(),
         shift: vec![DVec3::ZERO; count],
         lowering: vec![0.0; count],

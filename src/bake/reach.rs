@@ -31,32 +31,62 @@ const STRIDE: f64 = 0.085;
 const HOLD: f64 = 3e11;
 /// m, how far over the need the lowering aims, so that the soft hold still meets it.
 const OVER: f64 = 8e-4;
+/// s that a walker knows ahead of his own steps.
+const FORESIGHT: f64 = 0.6;
 /// Rounds of the one-sided penalty (a Newton method: it settles in about ten).
 const ROUNDS: usize = 24;
 
 /// Computes the lowering afresh from the poses that the present one gave. `scale`: times relative to the reference body.
 pub fn lower_into_reach(timeline: &mut Timeline, solved: &[Solved], scale: f64) {
     let need: Vec<f64> = solved.iter().enumerate().map(|(index, pose)| need_at(timeline, index, pose)).collect();
-    let need = bounded(&need, timeline);
     let first = (timeline.still_until / timeline.dt).round() as usize;
     timeline.lowering = if need.iter().all(|need| *need == 0.0) {
         vec![0.0; need.len()]
     } else {
         let rise: Vec<f64> =
             timeline.walking.iter().map(|walking| scale * (RISE + (STRIDE - RISE) * walking)).collect();
-        gentlest(&need, first, timeline.dt, &rise)
+        // Nobody sees a push coming: up to each, the lowering is the one that would have been without it.
+        let mut done: Vec<f64> = Vec::new();
+        for surprise in timeline.surprises.iter().copied().chain([f64::INFINITY]) {
+            let cut = ((surprise / timeline.dt).round().max(0.0) as usize).min(need.len());
+            if cut <= first.max(done.len()) && cut < need.len() {
+                continue;
+            }
+            let foreseen = foreseen(&need, cut, timeline);
+            let ease = eased(&foreseen, timeline);
+            let solved = gentlest(&foreseen, &ease, first, &done, timeline.dt, &rise[..foreseen.len()]);
+            done = solved[..cut].to_vec();
+        }
+        done
     };
 }
 
-/// Needs under 0 (a walker may rise) held to what people's centres of mass travel up and down.
-fn bounded(need: &[f64], timeline: &Timeline) -> Vec<f64> {
+/// What is known of the needs at entry `cut`: those before it, and for a while on what a stride ago was needed.
+fn foreseen(need: &[f64], cut: usize, timeline: &Timeline) -> Vec<f64> {
+    let until = (cut + (FORESIGHT / timeline.dt) as usize).min(need.len());
+    let mut known = need[..until].to_vec();
+    let stride =
+        timeline.feet.stride_before(cut as f64 * timeline.dt).map(|time| (time / timeline.dt).round() as usize);
+    for index in cut..until {
+        let ago = match stride {
+            Some(stride) if timeline.walking[cut] > 0.0 && stride > 0 => index.checked_sub(stride),
+            _ => cut.checked_sub(1),
+        };
+        known[index] = ago.map_or(0.0, |ago| known[ago]);
+    }
+    known
+}
+
+/// Where the lowering is drawn to: none in a stand; of a walker a rise, held to what people's centres of mass travel.
+fn eased(need: &[f64], timeline: &Timeline) -> Vec<f64> {
     let around = (0.5 / timeline.dt).round() as usize;
     let travel = TRAVEL * timeline.anatomy.legs[0].length();
     (0..need.len())
         .map(|index| {
             let near = &need[index.saturating_sub(around)..(index + around + 1).min(need.len())];
             let deepest = near.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            if timeline.walking[index] > 0.0 { need[index].max(deepest - travel) } else { need[index] }
+            let rise = need[index].min(0.0);
+            rise + ((deepest - travel).max(rise) - rise) * timeline.walking[index]
         })
         .collect()
 }
@@ -85,8 +115,8 @@ fn need_at(timeline: &Timeline, index: usize, pose: &Solved) -> f64 {
     need
 }
 
-/// The lowering of least acceleration over `need` (m a sample), constant up to sample `first` (zero on level feet), rising again within `rise` s.
-fn gentlest(need: &[f64], first: usize, dt: f64, rise: &[f64]) -> Vec<f64> {
+/// The lowering of least acceleration over `need` (m a sample), drawn to `ease`, beginning as it is `done`, constant up to sample `first` (zero on level feet), rising again within `rise` s.
+fn gentlest(need: &[f64], ease: &[f64], first: usize, done: &[f64], dt: f64, rise: &[f64]) -> Vec<f64> {
     let count = need.len();
     // On uneven feet the stand itself is lower.
     let still = need[..=first.min(count - 1)].iter().copied().fold(f64::MIN, f64::max);
@@ -102,8 +132,10 @@ fn gentlest(need: &[f64], first: usize, dt: f64, rise: &[f64]) -> Vec<f64> {
             if index + 2 < count {
                 system.equation(index, &[bend, -2.0 * bend, bend], 0.0, 1.0);
             }
-            system.equation(index, &[1.0], need[index].min(0.0), rise[index].powi(-4));
-            if index <= first {
+            system.equation(index, &[1.0], ease[index], rise[index].powi(-4));
+            if let Some(done) = done.get(index) {
+                system.equation(index, &[1.0], *done, 10.0 * HOLD);
+            } else if index <= first {
                 system.equation(index, &[1.0], still, 10.0 * HOLD);
             } else if held[index] {
                 system.equation(index, &[1.0], wanted_at(index), HOLD);
@@ -113,6 +145,7 @@ fn gentlest(need: &[f64], first: usize, dt: f64, rise: &[f64]) -> Vec<f64> {
         let mut changed = false;
         for index in 0..count {
             let wanted = index > first
+                && index >= done.len()
                 && lowering[index] < wanted_at(index)
                 && (need[index] > 0.0 || need[index] > floor + 1e-9);
             changed |= wanted != held[index];
@@ -122,7 +155,7 @@ fn gentlest(need: &[f64], first: usize, dt: f64, rise: &[f64]) -> Vec<f64> {
             break;
         }
     }
-    lowering.iter_mut().zip(need).for_each(|(value, need)| *value = value.max(need.min(0.0)));
+    lowering.iter_mut().zip(need).skip(done.len()).for_each(|(value, need)| *value = value.max(need.min(0.0)));
     lowering
 }
 
@@ -134,7 +167,7 @@ mod tests {
     fn the_lowering_meets_the_need_starts_after_the_push_and_stays_gentle() {
         let (dt, first) = (0.01, 60);
         let need: Vec<f64> = (0..300).map(|i| if (95..120).contains(&i) { 0.10 } else { -0.01 }).collect();
-        let low = gentlest(&need, first, dt, &[0.11; 300]);
+        let low = gentlest(&need, &[0.0; 300], first, &[], dt, &[0.11; 300]);
         for (index, (have, want)) in low.iter().zip(&need).enumerate() {
             assert!(have + 1e-4 >= *want, "sample {index}: {have} under {want}");
         }
@@ -142,5 +175,18 @@ mod tests {
         let worst = low.windows(3).map(|w| ((w[0] - 2.0 * w[1] + w[2]) / (dt * dt)).abs()).fold(0.0, f64::max);
         assert!(worst < 9.0, "an acceleration of {worst}");
         assert!(low[250] < 0.005, "comes up again: {}", low[250]);
+    }
+
+    #[test]
+    fn what_a_surprise_asks_for_joins_smoothly_on_what_was() {
+        let dt = 0.01;
+        let before: Vec<f64> = (0..300).map(|i| 0.02 + 0.015 * (f64::from(i) * 0.12).sin()).collect();
+        let need: Vec<f64> = (0..500).map(|i| if (328..350).contains(&i) { 0.17 } else { -0.03 }).collect();
+        let low = gentlest(&need, &[0.0; 500], 50, &before, dt, &[0.085; 500]);
+        assert!(low[..300].iter().zip(&before).all(|(have, was)| (have - was).abs() < 1e-5), "the past changes");
+        for (index, w) in low.windows(3).enumerate().skip(295) {
+            let bend = (w[0] - 2.0 * w[1] + w[2]) / (dt * dt);
+            assert!(bend.abs() < 25.0, "sample {index}: {bend} m/s2 at {w:?}");
+        }
     }
 }

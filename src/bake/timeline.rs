@@ -23,6 +23,8 @@ pub struct Timeline {
     pub dt: f64,
     /// s, the first disturbance: the passes change nothing before it.
     pub still_until: f64,
+    /// s, when disturbances begin: what comes of them shows no sooner.
+    pub surprises: Vec<f64>,
     /// m, centre of mass as the stepper has it, at the standing height (what it must sink is the reach envelope's).
     pub com: Vec<DVec3>,
     /// m, what the balance filter adds to it.
