@@ -55,7 +55,7 @@ impl Terrain {
                 *wave = Wave {
                     along: DVec2::new(angle.sin(), angle.cos()) * (std::f64::consts::TAU / length),
                     phase: draw.between(0.0, std::f64::consts::TAU),
-                    height: 0.5 * height / WAVES as f64 * 1.8,
+                    height: 0.5 * height / WAVES as f64, // all crests together reach what was asked
                 };
             }
         }
@@ -122,5 +122,82 @@ fn along(points: &[[f64; 2]], time: f64) -> f64 {
         }
         (Some(only), None) | (None, Some(only)) => only[1],
         (None, None) => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn terrain(kind: GroundKind) -> Terrain {
+        Terrain::new(&Ground { kind, ..Ground::default() })
+    }
+
+    /// The unit normal that the heights around a place say.
+    fn leaning(terrain: &Terrain, at: DVec2) -> DVec3 {
+        let (e, height) = (1e-5, |x: f64, z: f64| terrain.spot(DVec2::new(x, z)).height);
+        let x = (height(at.x + e, at.y) - height(at.x - e, at.y)) / (2.0 * e);
+        let z = (height(at.x, at.y + e) - height(at.x, at.y - e)) / (2.0 * e);
+        DVec3::new(-x, 1.0, -z).normalize()
+    }
+
+    #[test]
+    fn a_slope_rises_ahead_and_its_normal_leans_back() {
+        let slope = terrain(GroundKind::Slope { angle: 25_f64.to_radians() });
+        let spot = slope.spot(DVec2::new(3.0, 2.0));
+        assert!((spot.height - 2.0 * 25_f64.to_radians().tan()).abs() < 1e-12 && spot.normal.z < -0.4);
+        assert!(spot.normal.distance(leaning(&slope, DVec2::new(3.0, 2.0))) < 1e-9);
+    }
+
+    #[test]
+    fn stairs_climb_a_rise_a_tread_and_end() {
+        for rise in [0.17, -0.17] {
+            let stairs = terrain(GroundKind::Stairs { rise, tread: 0.3, count: 4 });
+            for (z, treads) in
+                [(-5.0, 0.0), (0.999, 0.0), (1.001, 1.0), (1.299, 1.0), (1.301, 2.0), (1.95, 4.0), (50.0, 4.0)]
+            {
+                let spot = stairs.spot(DVec2::new(0.4, z));
+                assert!((spot.height - rise * treads).abs() < 1e-12 && spot.normal == DVec3::Y && spot.holds, "{z}");
+            }
+        }
+    }
+
+    #[test]
+    fn gaps_begin_a_metre_ahead_and_come_back_at_their_spacing() {
+        let gaps = terrain(GroundKind::Gaps { width: 0.2, spacing: 1.2 });
+        for (z, holds) in
+            [(-3.0, true), (0.99, true), (1.01, false), (1.19, false), (1.21, true), (2.21, false), (2.41, true)]
+        {
+            assert_eq!(gaps.spot(DVec2::new(0.0, z)).holds, holds, "{z}");
+        }
+    }
+
+    #[test]
+    fn uneven_ground_is_as_high_from_trough_to_crest_as_asked() {
+        for seed in 0..20 {
+            let ground = terrain(GroundKind::Uneven { height: 0.05, wavelength: 1.5, seed });
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+            for index in 0..250_000 {
+                let at = DVec2::new(f64::from(index % 500) * 0.06 - 15.0, f64::from(index / 500) * 0.06 - 15.0);
+                let height = ground.spot(at).height;
+                (low, high) = (low.min(height), high.max(height));
+            }
+            assert!((0.045..=0.05).contains(&(high - low)), "seed {seed}: {:.4} m of 0.05", high - low);
+            let at = DVec2::new(0.7, -2.1);
+            assert!(
+                ground.spot(at).normal.distance(leaning(&ground, at)) < 1e-8 && ground.spot(DVec2::ZERO).height == 0.0
+            );
+        }
+    }
+
+    #[test]
+    fn a_platform_pitches_its_front_up_and_rolls_its_left_up() {
+        let turned = |pitch: f64, roll: f64| {
+            terrain(GroundKind::Platform { pitch: vec![[1.0, 0.0], [3.0, pitch]], roll: vec![[1.0, 0.0], [3.0, roll]] })
+        };
+        assert_eq!(turned(0.5, 0.5).turn(0.5), DQuat::IDENTITY);
+        assert!(((turned(0.5, 0.0).turn(9.0) * DVec3::Z).y - 0.5_f64.sin()).abs() < 1e-12, "the front");
+        assert!(((turned(0.0, 0.5).turn(9.0) * DVec3::X).y - 0.5_f64.sin()).abs() < 1e-12, "the left");
+        assert!(((turned(0.5, 0.0).turn(2.0) * DVec3::Z).y - 0.25_f64.sin()).abs() < 1e-12, "half-way");
     }
 }
