@@ -10,7 +10,7 @@
 //! | 3 | [`stepper`], [`whole_body`] | the low-dimensional controller; the pose that has its centre of mass and its feet |
 //! | 4 | [`sim`] | the fixed-step session that runs the stepper under a scenario and leaves a trace |
 //! | 5 | [`bake`] | trace to clip: foot curves, reach envelope, ZMP filter, root motion, key reduction |
-//! | 6 | [`export`], [`picture`] | bytes of GLB and events; contact sheets |
+//! | 6 | [`export`], [`picture`] | bytes of GLB and events; contact sheets, plots |
 //! | 8 | [`cli`] | the command line; the files on disk |
 //!
 //! A bake from end to end, as the command line does it (without the files):
