@@ -31,19 +31,19 @@ fn scenarios() -> Vec<(String, f64, String)> {
         ("back 0.6", 0.6, "heading = 180.0\nfacing = 0.0\n"),
         ("left 0.4", 0.4, "heading = 90.0\nfacing = 0.0\n"),
     ] {
-        list.push((name.into(), 7.5, go(speed, rest) + stop + rest));
+        list.push((name.into(), 9.0, go(speed, rest) + stop + rest));
     }
     let curve = "[[walk]]\nstart = 2.5\nspeed = {v1.0}\nheading = 90.0\n[[walk]]\nstart = 4.5\nspeed = 0.0\nheading = 90.0\n";
-    list.push(("curve 1.0".into(), 7.5, go(1.0, "") + curve));
-    list.push(("turn 90".into(), 4.0, "[[turn]]\nstart = 0.5\nfacing = 90.0\n".into()));
-    list.push(("turn 180".into(), 5.0, "[[turn]]\nstart = 0.5\nfacing = 180.0\n".into()));
-    list.push(("a step or two".into(), 4.0, go(0.8, "[[walk]]\nstart = 1.1\nspeed = 0.0\n")));
+    list.push(("curve 1.0".into(), 9.0, go(1.0, "") + curve));
+    list.push(("turn 90".into(), 6.0, "[[turn]]\nstart = 0.5\nfacing = 90.0\n".into()));
+    list.push(("turn 180".into(), 8.0, "[[turn]]\nstart = 0.5\nfacing = 180.0\n".into()));
+    list.push(("a step or two".into(), 5.5, go(0.8, "[[walk]]\nstart = 1.1\nspeed = 0.0\n")));
     for toward in ["front", "back", "left", "right"] {
         let push = format!("[[push]]\nstart = 2.5\nduration = 0.2\nforce = {{f300}}\ntoward = \"{toward}\"\n");
-        list.push((format!("pushed {toward}"), 8.0, go(1.2, "") + stop + &push));
+        list.push((format!("pushed {toward}"), 9.0, go(1.2, "") + stop + &push));
     }
     let drag = "[[pull]]\nstart = 1.0\nduration = 3.5\nforce = {f60}\ntoward = \"back\"\nat = \"hips\"\n";
-    list.push(("drags 60 N".into(), 7.5, go(1.0, "") + stop + drag));
+    list.push(("drags 60 N".into(), 9.0, go(1.0, "") + stop + drag));
     list
 }
 
@@ -97,7 +97,7 @@ impl Row {
         );
         format!(
             "{:<34} {:<5} {:>2} steps: slip {:.2} {:>4.1} sink {:.1} float {:.1} knee {:.1} pops {pops}, limits {beyond}, \
-             zmp {:.1} % {:.1} cm, legs {:.1} cm, rest {}",
+             zmp {:.1} % {:.1} cm, legs {:.1} cm, at {:.2} s, rest {}",
             self.name,
             format!("{:?}", report.outcome),
             report.steps,
@@ -109,6 +109,7 @@ impl Row {
             100.0 * found.zmp.inside,
             found.zmp.outside_p95_cm,
             100.0 * found.feet.least_leg_distance / found.leg_scale,
+            found.feet.least_leg_time,
             found.balance.rest_from.map_or("never".to_owned(), |t| format!("{t:.1}")),
         )
     }

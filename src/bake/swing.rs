@@ -61,7 +61,7 @@ impl Swing {
         // A walker rolls over the ball long before the foot leaves, and far.
         let walks = step.kind == StepKind::Walk && forward > 0.25;
         let (peak, heel_off, peak_after, fastest) = if walks {
-            (24.0 + 22.0 * forward.min(1.55), (0.30 * scale).min(1.1 * room), 0.04 * scale, FASTEST_STRIDE)
+            (26.0 + 22.0 * forward.min(1.7), (0.34 * scale).min(1.35 * room), 0.04 * scale, FASTEST_STRIDE)
         } else {
             (peak, heel_off, peak_after, FASTEST_ROLL)
         };
@@ -121,7 +121,9 @@ impl Swing {
 
     /// Pitch that the heel's rise alone gives.
     fn rise(&self, time: f64) -> f64 {
-        self.peak * smooth5((time - self.lift + self.heel_off) / (self.heel_off + self.peak_after))
+        let share = (time - self.lift + self.heel_off) / (self.heel_off + self.peak_after);
+        // A walker's heel comes away sooner: its shank leans on all the while.
+        self.peak * if self.walks { 0.5 * (smooth3(share) + smooth5(share)) } else { smooth5(share) }
     }
 
     /// Pitch at a time between heel off and flat.
