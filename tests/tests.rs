@@ -40,7 +40,7 @@ mod stances;
 mod stepper;
 /// Rigs and motions made by hand for the modules above.
 mod synthetic;
-/// Walks as clips, on rigs of several builds.
-mod walks;
 /// Walking: speeds, the paper's cases, pushes, turns, sizes.
 mod walking;
+/// Walks as clips, on rigs of several builds.
+mod walks;
