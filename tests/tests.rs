@@ -42,3 +42,5 @@ mod stepper;
 mod synthetic;
 /// Walking: speeds, the paper's cases, pushes, turns, sizes.
 mod walking;
+/// Walks as clips, on rigs of several builds.
+mod walks;

@@ -61,7 +61,7 @@ impl Swing {
         // A walker rolls over the ball long before the foot leaves, and far.
         let walks = step.kind == StepKind::Walk && forward > 0.25;
         let (peak, heel_off, peak_after, fastest) = if walks {
-            (24.0 + 22.0 * forward.min(1.55), (0.30 * scale).min(1.1 * room), 0.04 * scale, FASTEST_STRIDE)
+            (26.0 + 22.0 * forward.min(1.5), (0.34 * scale).min(1.35 * room), 0.04 * scale, FASTEST_STRIDE)
         } else {
             (peak, heel_off, peak_after, FASTEST_ROLL)
         };
@@ -121,7 +121,9 @@ impl Swing {
 
     /// Pitch that the heel's rise alone gives.
     fn rise(&self, time: f64) -> f64 {
-        self.peak * smooth5((time - self.lift + self.heel_off) / (self.heel_off + self.peak_after))
+        let share = (time - self.lift + self.heel_off) / (self.heel_off + self.peak_after);
+        // A walker's heel comes away sooner: its shank leans on all the while.
+        self.peak * if self.walks { 0.5 * (smooth3(share) + smooth5(share)) } else { smooth5(share) }
     }
 
     /// Pitch at a time between heel off and flat.
@@ -169,7 +171,13 @@ fn detour(step: &Step, other: &Plant, physique: &Physique) -> DVec3 {
     let least = (0.15 * physique.leg_length).max(0.14 * physique.leg_length + physique.tip * lengthwise);
     // Keep to the side of the stance foot where the swing foot belongs.
     let own = step.side.sign() * across.dot(DVec3::new(other.yaw.cos(), 0.0, -other.yaw.sin())).signum();
-    let sign = if gap.abs() > 0.02 * physique.leg_length { gap.signum() } else { own };
+    // In a turn the straight way cuts across the stance foot though it begins and ends on its own side: go round.
+    let on_own_side = |plant: &Plant| {
+        let apart = plant.ankle - other.ankle;
+        step.side.sign() * (apart.x * plant.yaw.cos() - apart.z * plant.yaw.sin()) > 0.0
+    };
+    let round = on_own_side(&step.from) && on_own_side(&step.to);
+    let sign = if gap.abs() > 0.02 * physique.leg_length && !round { gap.signum() } else { own };
     let missing = least - gap * sign;
     if missing > 0.0 { across * (sign * missing / bump(u).max(0.3)) } else { DVec3::ZERO }
 }
