@@ -165,8 +165,8 @@ fn walks_keep_their_feet_on_every_build() {
         };
         hold("slip", feet.slip_max_mm, 2.0);
         hold("slip speed", feet.slip_speed_p95, 10.0);
-        // Goal 5; worst 6.0, a frame about the lift at 1.6 m/s on the built-in rig, and 5.8 pushed on longer legs.
-        hold("sink", feet.penetration_max_mm, 6.5);
+        // Goal 5; worst 5.6, on longer legs that are pushed.
+        hold("sink", feet.penetration_max_mm, 6.0);
         hold("float", feet.float_max_mm, 5.0);
         hold("knee past straight", found.joints.knee_past_straight.to_degrees(), 0.05);
         hold("fall", f64::from(u8::from(row.baked.report.outcome == Outcome::Fall)), 0.0);
