@@ -155,6 +155,9 @@ fn walks_keep_their_feet_on_every_build() {
         std::fs::write(baked_path(&name), &file.bytes).expect("target can be written");
     }
     assert!(slip <= 1.0, "slip p95 {slip:.2} mm");
+    // Goal 1 each.
+    let whole = only.is_empty();
+    assert!(!whole || (pops >= 0.28 && limits >= 0.5 && inside >= 0.95), "{pops} {limits} {inside}");
     let mut failed = Vec::new();
     for (row, found) in all().filter(|(row, _)| row.name != LOST) {
         let feet = &found.feet;
@@ -165,8 +168,8 @@ fn walks_keep_their_feet_on_every_build() {
         };
         hold("slip", feet.slip_max_mm, 2.0);
         hold("slip speed", feet.slip_speed_p95, 10.0);
-        // Goal 5; worst 6.0, a frame about the lift at 1.6 m/s on the built-in rig, and 5.8 pushed on longer legs.
-        hold("sink", feet.penetration_max_mm, 6.5);
+        // Goal 5; worst 5.6, on longer legs that are pushed.
+        hold("sink", feet.penetration_max_mm, 6.0);
         hold("float", feet.float_max_mm, 5.0);
         hold("knee past straight", found.joints.knee_past_straight.to_degrees(), 0.05);
         hold("fall", f64::from(u8::from(row.baked.report.outcome == Outcome::Fall)), 0.0);

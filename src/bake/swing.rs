@@ -4,6 +4,7 @@
 
 use super::clearance::Raise;
 use crate::maths::curve::{bump, smooth3, smooth5};
+use crate::maths::quat::wrap_angle;
 use crate::stepper::{Physique, Plant, Step, StepKind};
 use glam::DVec3;
 
@@ -61,7 +62,7 @@ impl Swing {
         // A walker rolls over the ball long before the foot leaves, and far.
         let walks = step.kind == StepKind::Walk && forward > 0.25;
         let (peak, heel_off, peak_after, fastest) = if walks {
-            (26.0 + 22.0 * forward.min(1.5), (0.34 * scale).min(1.35 * room), 0.04 * scale, FASTEST_STRIDE)
+            (26.0 + 22.0 * forward.min(1.5), (0.32 * scale).min(1.2 * room), 0.04 * scale, FASTEST_STRIDE)
         } else {
             (peak, heel_off, peak_after, FASTEST_ROLL)
         };
@@ -176,7 +177,8 @@ fn detour(step: &Step, other: &Plant, physique: &Physique) -> DVec3 {
         let apart = plant.ankle - other.ankle;
         step.side.sign() * (apart.x * plant.yaw.cos() - apart.z * plant.yaw.sin()) > 0.0
     };
-    let round = on_own_side(&step.from) && on_own_side(&step.to);
+    let turns = wrap_angle(step.to.yaw - step.from.yaw).abs() > 0.15;
+    let round = turns && on_own_side(&step.from) && on_own_side(&step.to);
     let sign = if gap.abs() > 0.02 * physique.leg_length && !round { gap.signum() } else { own };
     let missing = least - gap * sign;
     if missing > 0.0 { across * (sign * missing / bump(u).max(0.3)) } else { DVec3::ZERO }
