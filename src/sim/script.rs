@@ -75,7 +75,11 @@ impl Script {
 
     /// rad, where the pelvis is meant to point. The latest of the walk and turn lanes that spoke rules.
     fn facing(&self, time: f64) -> f64 {
-        let spoken = last_begun(&self.walk, |walk| walk.start, time)
+        // Who stops goes on facing as before, unless told.
+        let facings = self.walk.iter().filter(|walk| walk.speed != 0.0 || walk.facing.is_some());
+        let spoken = facings
+            .filter(|walk| walk.start <= time + 1e-9)
+            .max_by(|a, b| a.start.total_cmp(&b.start))
             .map(|walk| (walk.start, walk.facing.unwrap_or(walk.heading)));
         let turned = last_begun(&self.turn, |turn| turn.start, time);
         match (spoken, turned) {
@@ -113,4 +117,19 @@ fn current<T>(lane: &[T], span: impl Fn(&T) -> (f64, Option<f64>), time: f64) ->
     let entry = last_begun(lane, |entry| span(entry).0, time)?;
     let (start, duration) = span(entry);
     duration.is_none_or(|duration| time < start + duration - 1e-9).then_some(entry)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_stops_goes_on_facing_as_before_unless_told() {
+        let walk = |start: f64, speed: f64, heading: f64| Walk { start, duration: None, speed, heading, facing: None };
+        let mut script = Script { walk: vec![walk(0.5, 1.0, 1.2), walk(3.0, 0.0, 0.0)], ..Script::standing(&[]) };
+        assert_eq!(script.intent(4.0).facing, 1.2);
+        assert_eq!(script.intent(0.2).facing, 0.0);
+        script.walk[1].facing = Some(0.3);
+        assert_eq!(script.intent(4.0).facing, 0.3);
+    }
 }
