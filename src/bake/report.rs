@@ -8,9 +8,10 @@ use super::perform::Performance;
 use super::root_motion::RootMotion;
 use crate::measure::{Findings, Frame, KnownPush, Motion, PushPoint, Setting, measure_in};
 use crate::model::report::{Assist, BodyReport, Contact, Disturbance, Event, Outcome, Plausibility};
-use crate::model::scenario::Scenario;
+use crate::model::scenario::{GroundKind, Scenario};
 use crate::model::{Body, BodyPose, Clip, ClipReport, Side};
 use crate::rig::Rig;
+use crate::stepper::footing::STAIR_STEP;
 
 /// Samples a frame (DESIGN, "Measures").
 const PER_FRAME: usize = 4;
@@ -208,5 +209,19 @@ fn warnings(input: &ReportInput, outcome: Outcome) -> Vec<String> {
             (needed * 10.0).ceil() / 10.0
         ));
     }
+    warnings.extend(slowed(input));
     warnings
+}
+
+/// Stairs are walked a tread a step, whatever speed was wanted.
+fn slowed(input: &ReportInput) -> Option<String> {
+    let GroundKind::Stairs { tread, .. } = input.scenario.ground.kind else { return None };
+    let tempo = (input.performance.physique.com_height / 0.96).sqrt();
+    let most = tread / (STAIR_STEP * tempo);
+    let wanted = input.scenario.walk.iter().map(|walk| walk.speed).fold(0.0, f64::max);
+    (wanted > most).then(|| {
+        format!(
+            "stairs are walked a tread a step: at most {most:.2} m/s on them, not {wanted:.2} (a longer tread allows more)"
+        )
+    })
 }

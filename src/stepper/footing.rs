@@ -9,6 +9,8 @@ use crate::model::terrain::FIRST;
 use crate::model::{Side, Terrain};
 use glam::{DQuat, DVec2, DVec3};
 
+/// s, of the reference body: a step on stairs takes no less.
+pub const STAIR_STEP: f64 = 0.55;
 /// m, that a sole keeps from an edge.
 const EDGE: f64 = 0.01;
 

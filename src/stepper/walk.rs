@@ -91,7 +91,7 @@ pub fn steer(params: &Params, terrain: &Terrain, state: &mut State, inputs: &Inp
     }
     gait.tick = dt;
     gait.longest = footing::longest(terrain, params, ground(state.com), wanted.normalize_or(state.ahead));
-    let wanted = wanted.clamp_length_max(gait.longest / (0.55 * params.tempo));
+    let wanted = wanted.clamp_length_max(gait.longest / (footing::STAIR_STEP * params.tempo));
     let most = params.ramp * dt;
     let first = 0.5 * params.size / params.tempo;
     let wanted = if gait.phase == Phase::Start { wanted.clamp_length_max(first) } else { wanted };
