@@ -1,0 +1,367 @@
+//! The articulated body as plain data: links with masses, boxes and joints, read from a body in its natural stand.
+//!
+//! Metres, kilograms, scenario axes. A link's frame has its origin at the joint to its parent and the scenario's axes in the
+//! stand, so a link's rotation is its turn from the stand. Joints follow the 30 degrees of freedom of the method's table;
+//! a joint of two angles is a ball with a stiff third, for the engine knows joints of one and of three. Knows no engine.
+
+use crate::model::{Body, BodyPose, Role, Side};
+use glam::{DMat3, DQuat, DVec3};
+
+/// What a link is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[expect(missing_docs, reason = "parts of a body")]
+pub enum Part {
+    Pelvis,
+    Trunk,
+    Head,
+    UpperArm(Side),
+    Forearm(Side),
+    Hand(Side),
+    Thigh(Side),
+    Shank(Side),
+    Foot(Side),
+}
+
+/// How a link may turn against its parent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Freedom {
+    /// The root.
+    Free,
+    /// Three angles; about one of them (an axis of the parent's frame) it is held stiffly where that is set.
+    Ball {
+        /// 0 x, 1 y, 2 z.
+        stiff: Option<usize>,
+    },
+    /// One angle about an axis of both frames, a unit vector; positive bends.
+    Hinge {
+        /// In the parent's frame.
+        axis: DVec3,
+        /// rad, least and most from the stand.
+        range: [f64; 2],
+    },
+}
+
+/// One rigid body.
+#[derive(Clone, Debug)]
+pub struct Link {
+    /// What it is.
+    pub part: Part,
+    /// The link that carries it.
+    pub parent: Option<usize>,
+    /// How it is joined.
+    pub freedom: Freedom,
+    /// m, its origin in the parent's frame; of the root, in the stand.
+    pub anchor: DVec3,
+    /// kg.
+    pub mass: f64,
+    /// m, centre of mass in its frame.
+    pub centre: DVec3,
+    /// kg m², about the centre of mass, in its frame.
+    pub inertia: DMat3,
+    /// m, half sides of its box.
+    pub half: DVec3,
+    /// m, middle of its box in its frame.
+    pub middle: DVec3,
+    /// Turn of its box against its frame.
+    pub turn: DQuat,
+    /// rad/s, natural frequency of its servo.
+    pub omega: f64,
+    /// kg m², what its joint carries: the inertia of all beyond it about the joint, mean over the axes, in the stand.
+    pub carried: f64,
+}
+
+/// A body as links.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    /// Parents before children, the pelvis first.
+    pub links: Vec<Link>,
+    /// Which link each of the body's joints moves with.
+    pub link_of: Vec<usize>,
+    /// The stand that rotations are counted from.
+    pub stand: BodyPose,
+    /// kg.
+    pub mass: f64,
+    /// Links of the legs: thigh, shank, foot; left, right.
+    pub legs: [[usize; 3]; 2],
+    /// Links of the arms: upper arm, forearm; left, right.
+    pub arms: [[usize; 2]; 2],
+    /// The trunk's link.
+    pub trunk: usize,
+    /// m, corners of each sole in the foot's frame: rear outer, rear inner, front outer, front inner by heading; counted round.
+    pub soles: [[DVec3; 4]; 2],
+    /// m, thigh and shank together.
+    pub leg_length: f64,
+    /// m, ankle over the sole.
+    pub ankle_height: f64,
+}
+
+/// What moves as one with its neighbour to save time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Locks {
+    /// Hands with the forearms.
+    pub hands: bool,
+    /// The head with the trunk.
+    pub head: bool,
+}
+
+impl Figure {
+    /// Reads a body that stands as `stand`.
+    pub fn new(body: &Body, stand: &BodyPose, locks: Locks) -> Figure {
+        let mut make = Maker::new(body, stand);
+        make.link(Part::Pelvis, None, Role::Hips, Freedom::Free, 25.0);
+        let trunk_joint =
+            [Role::Spine, Role::Chest, Role::UpperChest].into_iter().find(|role| body.joint(*role).is_some());
+        make.link(Part::Trunk, Some(0), trunk_joint.unwrap_or(Role::Spine), BALL, 20.0);
+        if !locks.head {
+            let neck = if body.joint(Role::Neck).is_some() { Role::Neck } else { Role::Head };
+            make.link(Part::Head, Some(1), neck, BALL, 15.0);
+        }
+        let mut arms = [[0; 2]; 2];
+        for (side, upper, lower, hand) in [
+            (Side::Left, Role::LeftUpperArm, Role::LeftLowerArm, Role::LeftHand),
+            (Side::Right, Role::RightUpperArm, Role::RightLowerArm, Role::RightHand),
+        ] {
+            let shoulder = make.link(Part::UpperArm(side), Some(1), upper, BALL, 15.0);
+            let hinge = make.hinge([upper, lower, hand], DVec3::NEG_X, 145.0);
+            let elbow = make.link(Part::Forearm(side), Some(shoulder), lower, hinge, 15.0);
+            if !locks.hands {
+                make.link(Part::Hand(side), Some(elbow), hand, Freedom::Ball { stiff: Some(1) }, 15.0);
+            }
+            arms[side as usize] = [shoulder, elbow];
+        }
+        let mut legs = [[0; 3]; 2];
+        for (side, upper, lower, foot) in [
+            (Side::Left, Role::LeftUpperLeg, Role::LeftLowerLeg, Role::LeftFoot),
+            (Side::Right, Role::RightUpperLeg, Role::RightLowerLeg, Role::RightFoot),
+        ] {
+            let hip = make.link(Part::Thigh(side), Some(0), upper, BALL, 25.0);
+            let hinge = make.hinge([upper, lower, foot], DVec3::X, 150.0);
+            let knee = make.link(Part::Shank(side), Some(hip), lower, hinge, 25.0);
+            let ankle = make.link(Part::Foot(side), Some(knee), foot, Freedom::Ball { stiff: Some(1) }, 40.0);
+            legs[side as usize] = [hip, knee, ankle];
+        }
+        make.finish(legs, arms)
+    }
+
+    /// Where each link is in a pose of the body: origin and turn from the stand.
+    pub fn placed(&self, body: &Body, pose: &BodyPose) -> Vec<(DVec3, DQuat)> {
+        let mut placed: Vec<(DVec3, DQuat)> = Vec::with_capacity(self.links.len());
+        for (index, link) in self.links.iter().enumerate() {
+            let joint = self.link_of.iter().position(|owner| *owner == index).unwrap_or(0);
+            let turn = (pose.turns[joint] * self.stand.turns[joint].inverse()).normalize();
+            let origin = match link.parent {
+                Some(parent) => placed[parent].0 + placed[parent].1 * link.anchor,
+                None => pose.hips + (self.links[0].anchor - self.stand.hips),
+            };
+            placed.push((origin, turn));
+        }
+        debug_assert_eq!(self.link_of.len(), body.joints.len());
+        placed
+    }
+
+    /// The body's pose when the links are so placed.
+    pub fn pose(&self, placed: &[(DVec3, DQuat)]) -> BodyPose {
+        let turns = self.link_of.iter().zip(&self.stand.turns).map(|(link, stand)| placed[*link].1 * *stand).collect();
+        BodyPose { hips: placed[0].0, turns }
+    }
+}
+
+/// A ball joint with all its angles.
+const BALL: Freedom = Freedom::Ball { stiff: None };
+
+/// Gathers links.
+struct Maker<'a> {
+    body: &'a Body,
+    stand: &'a BodyPose,
+    positions: Vec<DVec3>,
+    links: Vec<Link>,
+    joints: Vec<usize>,
+}
+
+impl<'a> Maker<'a> {
+    fn new(body: &'a Body, stand: &'a BodyPose) -> Maker<'a> {
+        Maker { body, stand, positions: stand.positions(body), links: Vec::new(), joints: Vec::new() }
+    }
+
+    fn joint(&self, role: Role) -> usize {
+        self.body.joint(role).unwrap_or(0)
+    }
+
+    fn link(&mut self, part: Part, parent: Option<usize>, role: Role, freedom: Freedom, omega: f64) -> usize {
+        let joint = self.joint(role);
+        let at = self.positions[joint];
+        let anchor = parent.map_or(at, |parent: usize| at - self.positions[self.joints[parent]]);
+        self.joints.push(joint);
+        self.links.push(Link {
+            part,
+            parent,
+            freedom,
+            anchor,
+            mass: 0.0,
+            centre: DVec3::ZERO,
+            inertia: DMat3::ZERO,
+            half: DVec3::ZERO,
+            middle: DVec3::ZERO,
+            turn: DQuat::IDENTITY,
+            omega,
+            carried: 0.0,
+        });
+        self.links.len() - 1
+    }
+
+    /// The hinge of the middle of three joints: square to the bend of the stand, else across the body.
+    fn hinge(&self, chain: [Role; 3], across: DVec3, most: f64) -> Freedom {
+        let [a, b, c] = chain.map(|role| self.positions[self.joint(role)]);
+        let (upper, lower) = ((b - a).normalize_or_zero(), (c - b).normalize_or_zero());
+        let square = upper.cross(lower);
+        let axis = if square.length() > 0.03 { square.normalize() } else { across };
+        let bent = square.length().atan2(upper.dot(lower));
+        Freedom::Hinge { axis, range: [-bent, most.to_radians() - bent] }
+    }
+
+    fn finish(mut self, legs: [[usize; 3]; 2], arms: [[usize; 2]; 2]) -> Figure {
+        let link_of: Vec<usize> = (0..self.body.joints.len()).map(|joint| self.owner(joint)).collect();
+        self.gather_masses(&link_of);
+        self.shape(&link_of);
+        self.carry();
+        let soles = Side::BOTH.map(|side| self.sole(side));
+        let leg = |[hip, knee, ankle]: [usize; 3]| {
+            debug_assert!(hip < knee);
+            self.links[knee].anchor.length() + self.links[ankle].anchor.length()
+        };
+        let leg_length = 0.5 * (leg(legs[0]) + leg(legs[1]));
+        Figure {
+            link_of,
+            stand: self.stand.clone(),
+            mass: self.links.iter().map(|link| link.mass).sum(),
+            legs,
+            arms,
+            trunk: 1,
+            soles,
+            leg_length,
+            ankle_height: 0.5 * (self.body.feet[0].ankle_height + self.body.feet[1].ankle_height),
+            links: self.links,
+        }
+    }
+
+    /// The link that a joint of the body moves with: its own or the nearest above.
+    fn owner(&self, joint: usize) -> usize {
+        let mut at = Some(joint);
+        while let Some(joint) = at {
+            if let Some(link) = self.joints.iter().position(|own| *own == joint) {
+                return link;
+            }
+            at = self.body.joints[joint].parent;
+        }
+        0
+    }
+
+    fn gather_masses(&mut self, link_of: &[usize]) {
+        let mut moments = vec![DVec3::ZERO; self.links.len()];
+        let mut parts = vec![Vec::new(); self.links.len()];
+        for segment in &self.body.segments {
+            let link = link_of[segment.joint];
+            let turn = self.stand.turns[segment.joint];
+            let centre =
+                self.positions[segment.joint] + turn * segment.centre - self.positions[self.joints[link]];
+            let matrix = DMat3::from_quat(turn);
+            self.links[link].mass += segment.mass;
+            moments[link] += segment.mass * centre;
+            parts[link].push((segment.mass, centre, matrix * segment.inertia * matrix.transpose()));
+        }
+        for (index, link) in self.links.iter_mut().enumerate() {
+            // A body whose hand has no segment of its own still needs a little of it, or its joint has nothing to turn.
+            if link.mass <= 0.0 {
+                link.mass = 1e-3 * self.body.mass;
+                parts[index].push((link.mass, DVec3::ZERO, DMat3::IDENTITY * (link.mass * 1e-3)));
+            }
+            link.centre = moments[index] / link.mass;
+            for (mass, centre, inertia) in &parts[index] {
+                link.inertia += *inertia + steiner(*mass, *centre - link.centre);
+            }
+        }
+    }
+
+    /// Boxes from the reach of the links and their masses at the density of flesh; feet from their soles.
+    fn shape(&mut self, link_of: &[usize]) {
+        for index in 0..self.links.len() {
+            let origin = self.positions[self.joints[index]];
+            let inside: Vec<DVec3> = (0..self.body.joints.len())
+                .filter(|joint| {
+                    let own = link_of[*joint] == index && !self.is_finger(*joint);
+                    let hung = self.joints.iter().position(|own| own == joint).is_some_and(|other| self.links[other].parent == Some(index));
+                    own || hung
+                })
+                .map(|joint| self.positions[joint] - origin)
+                .collect();
+            let link = &mut self.links[index];
+            let (mut low, mut high) = (link.centre, link.centre);
+            for point in &inside {
+                (low, high) = (low.min(*point), high.max(*point));
+            }
+            let volume = link.mass / 1000.0;
+            let long = (high - low).max_element().max(0.5 * volume.cbrt());
+            let side = (volume / long).sqrt();
+            let half = (0.5 * (high - low)).max(DVec3::splat(0.5 * side));
+            link.half = half;
+            link.middle = 0.5 * (low + high);
+        }
+        for side in Side::BOTH {
+            let corners = self.sole(side);
+            let foot = self.links.iter().position(|link| link.part == Part::Foot(side)).unwrap_or(0);
+            let shape = &self.body.feet[side as usize];
+            let yaw = (corners[3] - corners[1]).normalize_or_zero();
+            let turn = DQuat::from_rotation_y(yaw.x.atan2(yaw.z));
+            let height = (0.9 * shape.ankle_height).max(0.02 * self.body.height);
+            let link = &mut self.links[foot];
+            link.turn = turn;
+            link.half = DVec3::new(shape.half_width, 0.5 * height, 0.5 * (shape.foremost() - shape.heel));
+            link.middle = (corners[0] + corners[1] + corners[2] + corners[3]) / 4.0 + DVec3::Y * (0.5 * height);
+        }
+    }
+
+    fn is_finger(&self, joint: usize) -> bool {
+        let name = self.body.joints[joint].role.name();
+        ["Thumb", "Index", "Middle", "Ring", "Little", "Eye", "jaw"].iter().any(|part| name.contains(part))
+    }
+
+    /// Corners of a sole in the foot's frame: heel left, heel right, tip right, tip left... counted round from above.
+    fn sole(&self, side: Side) -> [DVec3; 4] {
+        let shape = &self.body.feet[side as usize];
+        let turn = self.stand.turns[shape.ankle] * shape.level.inverse();
+        let forward = turn * DVec3::new(shape.forward.x, 0.0, shape.forward.y);
+        let forward = DVec3::new(forward.x, 0.0, forward.z).normalize_or_zero();
+        let across = DVec3::Y.cross(forward);
+        let down = DVec3::NEG_Y * shape.ankle_height;
+        let (heel, tip, wide) = (forward * shape.heel, forward * shape.foremost(), across * shape.half_width);
+        [heel + wide + down, heel - wide + down, tip + wide + down, tip - wide + down]
+    }
+
+    fn carry(&mut self) {
+        for index in 0..self.links.len() {
+            let origin = self.positions[self.joints[index]];
+            let mut total = DMat3::ZERO;
+            for (other, link) in self.links.iter().enumerate() {
+                let mut at = Some(other);
+                while at.is_some_and(|at| at != index) {
+                    at = at.and_then(|at| self.links[at].parent);
+                }
+                if at == Some(index) {
+                    total += link.inertia
+                        + steiner(link.mass, self.positions[self.joints[other]] + link.centre - origin);
+                }
+            }
+            let carried = match self.links[index].freedom {
+                Freedom::Hinge { axis, .. } => axis.dot(total * axis),
+                _ => (total.x_axis.x + total.y_axis.y + total.z_axis.z) / 3.0,
+            };
+            self.links[index].carried = carried;
+        }
+    }
+}
+
+/// kg m², of a point mass at an offset.
+pub fn steiner(mass: f64, offset: DVec3) -> DMat3 {
+    let outer = DMat3::from_cols(offset * offset.x, offset * offset.y, offset * offset.z);
+    (DMat3::IDENTITY * offset.length_squared() - outer) * mass
+}

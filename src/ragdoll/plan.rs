@@ -1,0 +1,136 @@
+//! Which foot steps, where to and when: capture steps from the extrapolated centre of mass at touchdown. Ground plane, SI.
+//!
+//! Constants are for legs of 0.83 m: lengths scale with the leg, times with its root.
+
+use crate::model::Side;
+use glam::DVec2;
+
+/// What a step plan needs to know.
+#[derive(Clone, Copy, Debug)]
+pub struct Situation {
+    /// m, extrapolated centre of mass, (x, z).
+    pub xi: DVec2,
+    /// m, where the pressure will be till touchdown, as it acts on ξ (with the push that goes on).
+    pub pivot: DVec2,
+    /// m, centre of mass and m/s.
+    pub com: DVec2,
+    /// m/s.
+    pub velocity: DVec2,
+    /// 1/s.
+    pub rate: f64,
+    /// rad, the pelvis's heading.
+    pub heading: f64,
+    /// m, middles of the soles (where a foot bears when all is well).
+    pub feet: [DVec2; 2],
+    /// Legs against 0.83 m.
+    pub size: f64,
+    /// The foot that stepped last.
+    pub last: Option<Side>,
+}
+
+/// A step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    /// Which foot.
+    pub side: Side,
+    /// m, the sole's middle.
+    pub at: DVec2,
+    /// s, the whole swing.
+    pub time: f64,
+    /// Lower is better.
+    pub cost: f64,
+}
+
+/// Constants of stepping.
+#[derive(Clone, Copy, Debug)]
+pub struct StepTuning {
+    /// s, the swings to choose from.
+    pub times: [f64; 3],
+    /// m, how far outside ξ a foot lands, halved by the growth of ξ.
+    pub outside: f64,
+    /// m, beyond ξ along the motion.
+    pub along: f64,
+    /// m, the least distance to the own side of the stance foot.
+    pub clear: f64,
+    /// m, from the hip.
+    pub reach: f64,
+    /// m, from the stance foot.
+    pub span: f64,
+    /// m/s, how fast a foot gets about.
+    pub speed: f64,
+    /// What a late landing costs, m/s.
+    pub late: f64,
+    /// m, what it costs to step with the same foot again.
+    pub again: f64,
+}
+
+impl Default for StepTuning {
+    fn default() -> StepTuning {
+        StepTuning {
+            times: [0.22, 0.24, 0.26],
+            outside: 0.19,
+            along: 0.03,
+            clear: 0.12,
+            reach: 0.50,
+            span: 1.0,
+            speed: 4.0,
+            late: 0.3,
+            again: 0.05,
+        }
+    }
+}
+
+/// The best step now.
+pub fn choose(situation: &Situation, tuning: &StepTuning) -> Target {
+    let tempo = situation.size.max(1e-6).sqrt();
+    let mut best: Option<Target> = None;
+    for side in Side::BOTH {
+        for time in tuning.times {
+            let mut target = aim(situation, tuning, side, time * tempo, time * tempo);
+            target.cost += tuning.late * (tuning.times[2] - time) * situation.size;
+            target.cost += if situation.last == Some(side) { tuning.again * situation.size } else { 0.0 };
+            if best.is_none_or(|best| target.cost < best.cost) {
+                best = Some(target);
+            }
+        }
+    }
+    best.unwrap_or(Target { side: Side::Left, at: situation.feet[0], time: 0.24 * tempo, cost: 0.0 })
+}
+
+/// Where that foot should land `left` s from now, in a swing of `time` s.
+pub fn aim(situation: &Situation, tuning: &StepTuning, side: Side, time: f64, left: f64) -> Target {
+    let size = situation.size;
+    let growth = (situation.rate * left).exp();
+    let touch = situation.pivot + (situation.xi - situation.pivot) * growth;
+    let left_ward = DVec2::new(situation.heading.cos(), -situation.heading.sin());
+    let outward = left_ward * side.sign();
+    let stance = situation.feet[side.other() as usize];
+    let motion = situation.velocity.normalize_or_zero() * (situation.velocity.length() / 0.3).min(1.0);
+    let whole = (situation.rate * time).exp();
+    let capture = touch + outward * (tuning.outside * size / (1.0 + whole)) + motion * (tuning.along * size);
+    let mut at = capture;
+    // On its own side of the stance foot.
+    let apart = (at - stance).dot(outward);
+    if apart < tuning.clear * size {
+        at += outward * (tuning.clear * size - apart);
+    }
+    // Within reach of the hip as it will be, and of the other foot.
+    let (sinh, cosh) = ((situation.rate * left).sinh(), (situation.rate * left).cosh());
+    let hip = situation.pivot
+        + (situation.com - situation.pivot) * cosh
+        + situation.velocity * (sinh / situation.rate)
+        + outward * (0.09 * size);
+    at = within(at, hip, tuning.reach * size);
+    at = within(at, stance, tuning.span * size);
+    let apart = (at - stance).dot(outward);
+    if apart < tuning.clear * size {
+        at += outward * (tuning.clear * size - apart);
+    }
+    let travel = at.distance(situation.feet[side as usize]);
+    let cost = at.distance(capture) + (travel - tuning.speed * time * size.sqrt()).max(0.0);
+    Target { side, at, time, cost }
+}
+
+fn within(point: DVec2, middle: DVec2, most: f64) -> DVec2 {
+    middle + (point - middle).clamp_length_max(most)
+}

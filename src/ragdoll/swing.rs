@@ -1,0 +1,69 @@
+//! The swing foot's reference: a quintic that is planned anew each tick, and a lift. Scenario space, SI.
+
+use glam::{DVec2, DVec3};
+
+/// Where the reference is and how it moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Reference {
+    /// m, the ankle's ground point, and the lift as y.
+    pub at: DVec3,
+    /// m/s.
+    pub velocity: DVec3,
+    /// m/s².
+    pub acceleration: DVec3,
+}
+
+/// One axis of the least-jerk way from a state to a rest at `goal` in `time` s, after `dt` s: place, speed, acceleration.
+pub(super) fn quintic(from: [f64; 3], goal: [f64; 2], time: f64, dt: f64) -> [f64; 3] {
+    let [p, v, a] = from;
+    let [q, w] = goal;
+    let t = time.max(1e-3);
+    let (t2, t3) = (t * t, t * t * t);
+    let d = q - p - v * t - 0.5 * a * t2;
+    let e = w - v - a * t;
+    let f = -a;
+    let c3 = (10.0 * d - 4.0 * e * t + 0.5 * f * t2) / t3;
+    let c4 = (-15.0 * d + 7.0 * e * t - f * t2) / (t3 * t);
+    let c5 = (6.0 * d - 3.0 * e * t + 0.5 * f * t2) / (t3 * t2);
+    let s = dt.min(t);
+    [
+        p + s * (v + s * (0.5 * a + s * (c3 + s * (c4 + s * c5)))),
+        v + s * (a + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5))),
+        a + s * (6.0 * c3 + s * (12.0 * c4 + s * 20.0 * c5)),
+    ]
+}
+
+/// The level part of the reference a tick later, on its way to `target` in `time` s.
+pub(super) fn onwards(reference: &Reference, target: DVec2, time: f64, dt: f64) -> Reference {
+    let mut next = *reference;
+    for axis in [0, 2] {
+        let goal = if axis == 0 { target.x } else { target.y };
+        let from = [reference.at[axis], reference.velocity[axis], reference.acceleration[axis]];
+        let [p, v, a] = quintic(from, [goal, 0.0], time, dt);
+        next.at[axis] = p;
+        next.velocity[axis] = v;
+        next.acceleration[axis] = a;
+    }
+    next
+}
+
+/// Lift at a share of the swing, its first and its second derivative by that share: 0 at both ends.
+pub(super) fn lift(x: f64) -> [f64; 3] {
+    let x = x.clamp(0.0, 1.0);
+    let (y, d) = (x * (1.0 - x), 1.0 - 2.0 * x);
+    [16.0 * y * y, 32.0 * y * d, 32.0 * (d * d - 2.0 * y)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_quintic_arrives_at_rest_from_any_start() {
+        let mut state = [0.1, -0.5, 3.0];
+        for tick in 0..30 {
+            state = quintic(state, [0.7, 0.0], 0.30 - 0.01 * f64::from(tick), 0.01);
+        }
+        assert!((state[0] - 0.7).abs() < 1e-6 && state[1].abs() < 1e-4, "{state:?}");
+    }
+}
