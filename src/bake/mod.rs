@@ -14,6 +14,7 @@ mod knees;
 mod leg_chain;
 pub mod perform;
 pub mod props;
+pub mod ragdoll;
 mod reach;
 mod report;
 pub mod root_motion;
@@ -22,7 +23,8 @@ pub mod throws;
 pub mod timeline;
 mod track;
 
-pub use perform::{Performance, perform};
+pub use perform::{Performance, perform, perform_by};
+pub use ragdoll::{Drive, Helped};
 pub use root_motion::RootMotion;
 
 use crate::measure::Findings;
@@ -42,6 +44,8 @@ pub struct BakeOptions {
     pub seed: Option<u64>,
     /// Where the travel goes.
     pub root: RootMotion,
+    /// Who moves the body.
+    pub drive: Drive,
 }
 
 /// A baked clip and what is known of it.
@@ -74,11 +78,17 @@ pub enum BakeError {
         /// What became infinite.
         what: &'static str,
     },
+    /// The articulated body cannot play that yet.
+    #[error("the ragdoll cannot play {parts} yet; bake with `--drive stepper`")]
+    Unplayed {
+        /// What of the scenario.
+        parts: String,
+    },
 }
 
 impl Default for BakeOptions {
     fn default() -> BakeOptions {
-        BakeOptions { name: None, fps: 30.0, seed: None, root: RootMotion::Root }
+        BakeOptions { name: None, fps: 30.0, seed: None, root: RootMotion::Root, drive: Drive::Stepper }
     }
 }
 
@@ -91,7 +101,7 @@ pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Bak
         None => rig.body.clone(),
     };
     let seed = options.seed.unwrap_or(scenario.seed);
-    let performance = perform(&body, scenario, seed)?;
+    let performance = perform_by(&body, scenario, seed, options.drive)?;
     let name = options.name.clone().unwrap_or_else(|| safe_name(&scenario.title));
     let timeline = &performance.timeline;
     let keyed = |root_motion: RootMotion| {

@@ -5,6 +5,7 @@
 
 use super::carried::{self, Carried};
 use super::contacts::{self, FootContact};
+use super::ragdoll::{self, Drive};
 use super::throws::{self, Ball};
 use super::timeline::Timeline;
 use super::{BakeError, balance, feet, footing, knees, reach};
@@ -43,12 +44,19 @@ pub struct Performance {
     pub balls: Vec<Ball>,
     /// The stand that the stepper knew.
     pub physique: Physique,
+    /// The articulated body's run, where it drove.
+    pub articulated: Option<ragdoll::Driven>,
     /// m, the farthest that the ZMP was out of the support before each pass of the filter.
     pub zmp_before_pass: Vec<f64>,
 }
 
-/// Runs the scenario on a body.
+/// Runs the scenario on a body, the stepper at the wheel.
 pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performance, BakeError> {
+    perform_by(body, scenario, seed, Drive::Stepper)
+}
+
+/// Runs the scenario on a body.
+pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> Result<Performance, BakeError> {
     let anatomy = Anatomy::new(body);
     let physique = stand::physique(body, &anatomy);
     let (carried, loads) = carried::carried(body, &anatomy, scenario);
@@ -88,6 +96,15 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         }
         balls.push(ball);
     }
+    let articulated = match drive {
+        Drive::Stepper => None,
+        Drive::Ragdoll(assist) => {
+            Some(ragdoll::run(body, &anatomy, &physique, scenario, &options, &pushes, assist)?)
+        }
+    };
+    if let Some(articulated) = &articulated {
+        trace = articulated.run.trace.clone();
+    }
     check(&trace)?;
     let acted = pushes.iter().zip(&trace.pushes);
     let pushes: Vec<KnownPush> = acted.map(|((push, _), acted)| KnownPush { force: acted.force, ..*push }).collect();
@@ -106,7 +123,11 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         let standing = script.physiques.get(index).unwrap_or(&physique).com_height;
         standing + bases[index] - ticks[index].crouched
     };
-    let path = ticks.iter().enumerate().map(|(index, tick)| DVec3::new(tick.com.x, height(index), tick.com.z));
+    let real = articulated.is_some();
+    let path = ticks
+        .iter()
+        .enumerate()
+        .map(|(index, tick)| DVec3::new(tick.com.x, if real { tick.com.y } else { height(index) }, tick.com.z));
     let mut timeline = Timeline {
         body: body.clone(),
         anatomy,
@@ -119,6 +140,7 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         walking: walking(ticks, trace.dt, scale),
         bends: [Vec::new(), Vec::new()],
         upper: upper_body(ticks, trace.dt, (&physique, &script.physiques), seed, scenario),
+        drawn: articulated.as_ref().map_or(Vec::new(), |run| run.run.upper[..count].to_vec()),
         feet: feet::FootCurves::new(body, &physique, &start, &steps, still_until, scale, &terrain),
         terrain,
         carried,
@@ -154,7 +176,7 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         lost = Some(timeline.duration());
     }
     let contacts = timeline.feet.contacts(timeline.duration());
-    Ok(Performance { timeline, trace, lost, contacts, pushes, balls, physique, zmp_before_pass })
+    Ok(Performance { timeline, trace, lost, contacts, pushes, balls, physique, zmp_before_pass, articulated })
 }
 
 /// s, when the first thing happens: a push, the ground's turn, hands that go for a box, or what the character means to do.

@@ -63,7 +63,7 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
         duration,
         seed: input.seed,
         root_motion: input.root.name().into(),
-        drive: "stepper".into(),
+        drive: if performance.articulated.is_some() { "ragdoll" } else { "stepper" }.into(),
         scenario: input.scenario.title.clone(),
         outcome,
         steps,
@@ -78,7 +78,10 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
             .collect(),
         events: events(performance, findings.as_ref().and_then(|findings| findings.balance.rest_from), duration),
         disturbances: disturbances(input),
-        assist: Assist::default(),
+        assist: performance.articulated.as_ref().map_or_else(Assist::default, |driven| {
+            let help = driven.run.help;
+            Assist { peak_nm: help.torque[0], rms_nm: help.torque[1], peak_n: help.force[0], rms_n: help.force[1] }
+        }),
         plausibility,
     };
     let mut warnings = warnings(input, outcome);

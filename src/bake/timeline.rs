@@ -7,10 +7,11 @@ use super::carried::{self, Carried};
 use super::feet::FootCurves;
 use crate::maths::curve::sample;
 use crate::model::{Body, BodyPose, Load, Side, Terrain};
+use crate::sim::articulated::UpperPose;
 use crate::whole_body::reaction::{UPPER, UpperAngles, upper_turns};
 use crate::whole_body::solve::Solved;
-use crate::whole_body::{Anatomy, FootTarget, PoseTarget, Solver};
-use glam::DVec3;
+use crate::whole_body::{Anatomy, ArmAngles, FootTarget, PoseTarget, Solver};
+use glam::{DQuat, DVec3};
 
 /// Everything that a pose is made of, over the run.
 #[derive(Clone, Debug)]
@@ -37,6 +38,8 @@ pub struct Timeline {
     pub bends: [Vec<f64>; 2],
     /// Upper body and pelvis.
     pub upper: Vec<UpperAngles>,
+    /// Upper body and pelvis as an articulated body moved them, instead of `upper`; empty where none did.
+    pub drawn: Vec<UpperPose>,
     /// Both feet.
     pub feet: FootCurves,
     /// What they stand on.
@@ -61,6 +64,7 @@ impl Timeline {
         self.walking.truncate(last + 1);
         self.bends.iter_mut().for_each(|bends| bends.truncate(last + 1));
         self.upper.truncate(last + 1);
+        self.drawn.truncate(last + 1);
     }
 
     /// The target at one entry.
@@ -96,8 +100,28 @@ impl Timeline {
         Solver::new(&self.body, &self.anatomy).solve(&self.target_at(time)).pose
     }
 
+    /// The articulated body's upper body at a time, between its ticks by slerp.
+    fn drawn_at(&self, time: f64) -> Option<(DQuat, DQuat, DQuat, [ArmAngles; 2])> {
+        let last = self.drawn.len().checked_sub(1)?;
+        let place = (time / self.dt).clamp(0.0, last as f64);
+        let (a, b) = (&self.drawn[place.floor() as usize], &self.drawn[place.ceil() as usize]);
+        let share = place.fract();
+        let between = |from: f64, to: f64| from + (to - from) * share;
+        let arms = [0, 1].map(|side| {
+            let (a, b) = (&a.arms[side], &b.arms[side]);
+            ArmAngles {
+                raise: between(a.raise, b.raise),
+                abduct: between(a.abduct, b.abduct),
+                inward: between(a.inward, b.inward),
+                elbow: between(a.elbow, b.elbow),
+                curl: between(a.curl, b.curl),
+            }
+        });
+        Some((a.pelvis.slerp(b.pelvis, share), a.chest.slerp(b.chest, share), a.head.slerp(b.head, share), arms))
+    }
+
     fn assemble(&self, com: DVec3, upper: &UpperAngles, time: f64) -> PoseTarget {
-        let (pelvis, chest, head, arms) = upper_turns(upper);
+        let (pelvis, chest, head, arms) = self.drawn_at(time).unwrap_or_else(|| upper_turns(upper));
         let feet = Side::BOTH.map(|side| {
             let bends = &self.bends[side as usize];
             let free = !bends.is_empty() && self.feet.freedom(side, time) > 0.0;

@@ -16,12 +16,7 @@ const DEMO_OUTPUT: &str = "exports/demo.glb";
 
 /// Bakes.
 pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
-    if args.drive == Drive::Ragdoll {
-        return Err(Failure::bad_input(
-            "`--drive ragdoll` is not in this version yet\n  help: `--drive stepper`, or leave it out",
-        ));
-    }
-    if !matches!(args.assist, Assist::Auto | Assist::Off) {
+    if args.drive != Drive::Ragdoll && !matches!(args.assist, Assist::Auto | Assist::Off) {
         tell("warning: --assist bounds the ragdoll's help; the stepper takes none, so it changes nothing");
     }
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(DEMO_OUTPUT));
@@ -155,6 +150,17 @@ fn summary(baked: &Baked, name: &str, places: &Places, size: usize) -> String {
                 force * (push.end - push.start)
             ),
         );
+    }
+    if let Some(driven) = &baked.performance.articulated {
+        let help = &report.assist;
+        line(
+            "assist",
+            format_args!(
+                "{:.0} Nm peak ({:.0} rms), {:.0} N peak ({:.0} rms) on the root; allowed {:.0} Nm, {:.0} N",
+                help.peak_nm, help.rms_nm, help.peak_n, help.rms_n, driven.bound.torque, driven.bound.force
+            ),
+        );
+        line("torques", format_args!("at most {:.0} of 500 Nm at a joint", driven.run.peak_torque));
     }
     for (index, contact) in report.contacts.iter().enumerate() {
         line(if index == 0 { "contacts" } else { "" }, format_args!("{}", contact_row(contact)));

@@ -1,8 +1,8 @@
 //! The calls that the subcommands make into the rows above, each with its errors sorted into exit codes.
 
-use super::args::{BakeArgs, Root};
+use super::args::{self, Assist, BakeArgs, Root};
 use super::exit_code::Failure;
-use crate::bake::{BakeOptions, Baked, RootMotion};
+use crate::bake::{BakeError, BakeOptions, Baked, Drive, Helped, RootMotion};
 use crate::model::{Clip, ClipReport, Prop, Scenario};
 use crate::rig::mannequin::{BUILTIN, MannequinOptions, mannequin};
 use crate::rig::{Rig, RigError, clips};
@@ -44,8 +44,20 @@ pub fn bake(rig: &Rig, scenario: &Scenario, args: &BakeArgs) -> Result<Baked, Fa
         Root::Hips => RootMotion::Hips,
         Root::InPlace => RootMotion::InPlace,
     };
-    let options = BakeOptions { name: args.clip.clone(), fps: args.fps, seed: args.seed, root };
-    bake::bake(rig, scenario, &options).map_err(|error| Failure::failed(error.to_string()))
+    let drive = match (args.drive, args.assist) {
+        (args::Drive::Auto | args::Drive::Stepper, _) => Drive::Stepper,
+        (args::Drive::Ragdoll, Assist::Auto) => Drive::Ragdoll(Helped::Auto),
+        (args::Drive::Ragdoll, Assist::Off) => Drive::Ragdoll(Helped::Within(Default::default())),
+        (args::Drive::Ragdoll, Assist::Bound(torque, force)) => {
+            let bound = crate::ragdoll::control::Assist { torque, force: force.unwrap_or(0.0) };
+            Drive::Ragdoll(Helped::Within(bound))
+        }
+    };
+    let options = BakeOptions { name: args.clip.clone(), fps: args.fps, seed: args.seed, root, drive };
+    bake::bake(rig, scenario, &options).map_err(|error| match error {
+        BakeError::Unplayed { .. } => Failure::bad_input(error.to_string()),
+        error => Failure::failed(error.to_string()),
+    })
 }
 
 /// The bytes of a baked file and of the events beside it.

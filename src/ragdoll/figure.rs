@@ -77,6 +77,8 @@ pub struct Figure {
     pub links: Vec<Link>,
     /// Which link each of the body's joints moves with.
     pub link_of: Vec<usize>,
+    /// Roles of the body's joints.
+    roles: Vec<Role>,
     /// The stand that rotations are counted from.
     pub stand: BodyPose,
     /// kg.
@@ -159,6 +161,19 @@ impl Figure {
         placed
     }
 
+    /// m, where a joint of the body is in its link's frame.
+    pub fn joint_in_link(&self, body: &Body, joint: usize) -> DVec3 {
+        let positions = self.stand.positions(body);
+        let link = self.link_of[joint];
+        let origin = self.link_of.iter().position(|owner| *owner == link).map_or(positions[0], |first| positions[first]);
+        positions[joint] - origin
+    }
+
+    /// The link that a role's joint moves with.
+    pub fn link_of_role(&self, role: Role) -> Option<usize> {
+        self.roles.iter().position(|own| *own == role).map(|joint| self.link_of[joint])
+    }
+
     /// The body's pose when the links are so placed.
     pub fn pose(&self, placed: &[(DVec3, DQuat)]) -> BodyPose {
         let turns = self.link_of.iter().zip(&self.stand.turns).map(|(link, stand)| placed[*link].1 * *stand).collect();
@@ -232,6 +247,7 @@ impl<'a> Maker<'a> {
         let leg_length = 0.5 * (leg(legs[0]) + leg(legs[1]));
         Figure {
             link_of,
+            roles: self.body.joints.iter().map(|joint| joint.role).collect(),
             stand: self.stand.clone(),
             mass: self.links.iter().map(|link| link.mass).sum(),
             legs,

@@ -7,9 +7,25 @@ mod forces;
 mod ground;
 mod linear;
 pub mod plan;
+mod stepping;
 mod swing;
+mod tasks;
+pub mod tuning;
 pub mod world;
 
-pub use control::{Controller, Tuning};
+pub use control::Controller;
 pub use figure::{Figure, Locks};
+pub use tuning::Tuning;
 pub use world::{LinkState, World};
+
+use glam::{DQuat, DVec2, DVec3};
+
+/// (x, z).
+fn flat(v: DVec3) -> DVec2 {
+    DVec2::new(v.x, v.z)
+}
+
+/// The rotation vector by the short way, rad.
+fn short(turn: DQuat) -> DVec3 {
+    if turn.w < 0.0 { (-turn).to_scaled_axis() } else { turn.to_scaled_axis() }
+}

@@ -68,7 +68,7 @@ impl Default for StepTuning {
     fn default() -> StepTuning {
         StepTuning {
             times: [0.22, 0.24, 0.26],
-            outside: 0.19,
+            outside: 0.276,
             along: 0.03,
             clear: 0.12,
             reach: 0.50,

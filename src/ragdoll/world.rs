@@ -59,11 +59,8 @@ impl World {
     pub fn new(figure: &Figure, placed: &[(DVec3, DQuat)], terrain: &Terrain, dt: f64, iterations: usize) -> World {
         let mut physics = PhysicsWorld::new();
         physics.gravity = vector(DVec3::NEG_Y * 9.81);
-        physics.integration_parameters.num_solver_iterations = std::env::var("ITER").map_or(iterations, |v| v.parse().unwrap_or(4));
+        physics.integration_parameters.num_solver_iterations = iterations;
         physics.integration_parameters.contact_recycling = false;
-        physics.integration_parameters.num_internal_pgs_iterations = std::env::var("PGS").map_or(1, |v| v.parse().unwrap_or(1));
-        physics.integration_parameters.friction_in_bias_pass = std::env::var("FB").is_ok();
-        physics.integration_parameters.num_internal_stabilization_iterations = std::env::var("STAB").map_or(1, |v| v.parse().unwrap_or(1));
         physics.integration_parameters.friction_model = FrictionModel::Coulomb;
         let (mut links, mut boxes, mut frames) = (Vec::new(), Vec::new(), Vec::new());
         let mut root = None;

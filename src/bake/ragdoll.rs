@@ -1,0 +1,107 @@
+//! The articulated body at the wheel: which scenarios it can play, and how much help it gets.
+//!
+//! Its run leaves the stepper's kind of trace; the passes of the bake then lock the feet and keep the balance as they do for
+//! the stepper's. A fall ends the clip where balance is lost. Scenario space, SI.
+
+use super::BakeError;
+use crate::measure::KnownPush;
+use crate::model::scenario::{GroundKind, Scenario};
+use crate::model::{Body, Physique, Terrain};
+use crate::ragdoll::control::Assist;
+use crate::sim::{Articulated, SimulateOptions, simulate_articulated};
+use crate::whole_body::Anatomy;
+
+/// Who moves the body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Drive {
+    /// The pendulum; the pose follows it.
+    #[default]
+    Stepper,
+    /// Joint torques and contacts.
+    Ragdoll(Helped),
+}
+
+/// How much help the pelvis may get.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Helped {
+    /// At most that.
+    Within(Assist),
+    /// As little as recovers, at most 300 N m and 300 N.
+    Auto,
+}
+
+/// A run and the bound that it had.
+#[derive(Clone, Debug)]
+pub struct Driven {
+    /// The run.
+    pub run: Articulated,
+    /// The bound of its help.
+    pub bound: Assist,
+}
+
+/// Bounds that `Auto` tries, N m and N, the least first.
+const TRIES: [[f64; 2]; 8] = [
+    [0.0, 0.0],
+    [25.0, 0.0],
+    [50.0, 0.0],
+    [100.0, 0.0],
+    [150.0, 0.0],
+    [200.0, 50.0],
+    [300.0, 150.0],
+    [300.0, 300.0],
+];
+
+/// What of a scenario the articulated body cannot play yet, for a person; empty where it plays it all.
+pub fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
+    let mut parts = Vec::new();
+    let mut part = |is: bool, name: &'static str| {
+        if is {
+            parts.push(name);
+        }
+    };
+    part(!scenario.walk.is_empty(), "[[walk]]");
+    part(!scenario.turn.is_empty(), "[[turn]]");
+    part(!scenario.crouch.is_empty() || scenario.character.crouch > 0.0, "crouch");
+    part(!scenario.stand.is_empty(), "[[stand]]");
+    part(!scenario.throw.is_empty(), "[[throw]]");
+    part(!scenario.carry.is_empty(), "[[carry]]");
+    part(scenario.ground.kind != GroundKind::Flat, "ground that is not flat");
+    parts
+}
+
+/// Runs the articulated body, with as much help as is asked or allowed.
+pub(super) fn run(
+    body: &Body,
+    anatomy: &Anatomy,
+    physique: &Physique,
+    scenario: &Scenario,
+    options: &SimulateOptions,
+    pushes: &[(KnownPush, bool)],
+    helped: Helped,
+) -> Result<Driven, BakeError> {
+    let unplayed = unplayed(scenario);
+    if !unplayed.is_empty() {
+        return Err(BakeError::Unplayed { parts: unplayed.join(", ") });
+    }
+    let terrain = Terrain::new(&scenario.ground);
+    let once = |bound: Assist| -> Result<Driven, BakeError> {
+        let run = simulate_articulated(body, anatomy, physique, &terrain, options, pushes, bound)
+            .map_err(|broken| BakeError::BrokeDown { time: broken.time, what: "a link of the articulated body" })?;
+        Ok(Driven { run, bound })
+    };
+    let scale = physique.mass / 89.5;
+    match helped {
+        Helped::Within(bound) => once(bound),
+        Helped::Auto => {
+            let mut last = None;
+            for [torque, force] in TRIES {
+                let driven = once(Assist { torque: torque * scale, force: force * scale })?;
+                if driven.run.trace.lost.is_none() {
+                    return Ok(driven);
+                }
+                last = Some(driven);
+            }
+            last.ok_or(BakeError::BrokeDown { time: 0.0, what: "the articulated body" })
+        }
+    }
+}

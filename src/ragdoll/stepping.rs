@@ -1,0 +1,175 @@
+//! When a foot leaves the ground, where it goes and when it stands again: corrective steps and unhurried ones. Scenario space, SI.
+
+use super::control::{Controller, Swing};
+use super::figure::Figure;
+use super::plan::{self, Situation};
+use super::swing::{self, Reference};
+use crate::maths::hull::{closest_point, convex_hull, shrink, signed_distance};
+use crate::maths::pendulum::GRAVITY;
+use crate::maths::quat::wrap_angle;
+use crate::model::{Side, Terrain};
+use super::flat;
+use glam::{DVec2, DVec3};
+
+impl Controller {
+    pub(super) fn hull(&self, figure: &Figure) -> Vec<DVec2> {
+        let mut points = Vec::with_capacity(8);
+        for side in Side::BOTH {
+            if self.swing.is_none_or(|swing| swing.side != side) {
+                let state = &self.motion.states[figure.legs[side as usize][2]];
+                points.extend(figure.soles[side as usize].map(|corner| flat(state.origin + state.turn * corner)));
+            }
+        }
+        convex_hull(&points)
+    }
+
+    pub(super) fn situation(&self, figure: &Figure, xi: DVec2, rate: f64, cop: DVec2) -> Situation {
+        let push = flat(self.push) * self.tuning.foreseen / (self.motion.mass * rate * rate);
+        Situation {
+            xi,
+            pivot: cop - push,
+            com: flat(self.motion.com),
+            velocity: flat(self.motion.velocity),
+            rate,
+            heading: self.heading,
+            feet: Side::BOTH.map(|side| self.sole_middle(figure, side)),
+            size: self.size,
+            last: self.last,
+        }
+    }
+
+    /// Lands, aims and starts swings.
+    pub(super) fn step(&mut self, figure: &Figure, terrain: &Terrain, pressed: [bool; 2], loads: [f64; 2], xi: DVec2, rate: f64, dt: f64) {
+        if let Some(mut swing) = self.swing {
+            let passed = self.time - swing.start;
+            let (ankle, _) = self.foot(figure, swing.side);
+            let near = (flat(ankle) + self.ahead(swing.yaw)).distance(swing.target) < 0.10 * self.size;
+            let down = pressed[swing.side as usize];
+            if down && passed > if near { 0.5 } else { 0.7 } * swing.time {
+                self.swing = None;
+                self.last = Some(swing.side);
+                self.report.steps += 1;
+            } else {
+                let left = (swing.time - passed).max(0.0);
+                let hull = self.hull(figure);
+                if swing.comfort && signed_distance(&hull, xi) > 0.03 * self.size {
+                    swing.comfort = false;
+                }
+                if !swing.comfort && passed < 0.85 * swing.time {
+                    let cop = closest_point(&hull, xi).unwrap_or(xi);
+                    let situation = self.situation(figure, xi, rate, cop);
+                    swing.target = plan::aim(&situation, &self.tuning.step, swing.side, swing.time, left).at;
+                }
+                swing.yaw += wrap_angle(self.heading - swing.yaw) * (dt / (left + dt)).min(1.0);
+                let goal = swing.target - self.ahead(swing.yaw);
+                // Off the ground before it travels.
+                if !down || passed > self.tuning.rise * swing.time {
+                    swing.free = true;
+                }
+                if swing.free {
+                    let left = (0.95 * swing.time - passed).max(0.02);
+                    swing.reference = swing::onwards(&swing.reference, goal, left, dt);
+                }
+                let x = (passed + dt) / (0.92 * swing.time);
+                let ground = terrain.spot(goal).height;
+                let base = swing.from.y + (ground - swing.from.y) * x.clamp(0.0, 1.0);
+                let (y, v, a) = if x < 1.0 {
+                    let [l, d, a] = swing::lift(x);
+                    let speed = 1.0 / (0.92 * swing.time);
+                    (base + swing.lift * l, swing.lift * d * speed, swing.lift * a * speed * speed)
+                } else {
+                    (swing.reference.at.y - 0.6 * dt, -0.6, 0.0)
+                };
+                swing.reference.acceleration.y = a;
+                swing.reference.at.y = y;
+                swing.reference.velocity.y = v;
+                self.swing = Some(swing);
+            }
+        }
+        if self.swing.is_none() {
+            let hull = self.hull(figure);
+            let out = signed_distance(&shrink(&hull, self.tuning.shrunk * self.size), xi);
+            if out > self.tuning.trigger * self.size {
+                let cop = closest_point(&hull, xi).unwrap_or(xi);
+                let situation = self.situation(figure, xi, rate, cop);
+                let target = plan::choose(&situation, &self.tuning.step);
+                // A foot leaves when the other bears.
+                let weight = self.motion.mass * GRAVITY * dt;
+                let waited = self.leaving.map_or(0, |(_, ticks)| ticks);
+                if loads[target.side.other() as usize] < self.tuning.borne * weight && waited < 8 {
+                    self.leaving = Some((target.side, waited + 1));
+                    return;
+                }
+                self.leaving = None;
+                self.shifting = None;
+                let (ankle, yaw) = self.foot(figure, target.side);
+                let ground = ankle - DVec3::Y * figure.ankle_height;
+                let travel = target.at.distance(situation.feet[target.side as usize]);
+                self.swing = Some(Swing {
+                    side: target.side,
+                    start: self.time,
+                    time: target.time,
+                    target: target.at,
+                    from: ground,
+                    lift: self.tuning.lift[0] * self.size
+                        + self.tuning.lift[1] * (travel - 0.4 * self.size).max(0.0),
+                    reference: Reference { at: ground, ..Reference::default() },
+                    comfort: false,
+                    yaw,
+                    free: false,
+                });
+            } else {
+                self.leaving = None;
+                self.comfort(figure, loads, xi, out, dt);
+            }
+        }
+    }
+
+    /// Feet that do not stand side by side are set so, one after the other, once all is quiet.
+    pub(super) fn comfort(&mut self, figure: &Figure, loads: [f64; 2], xi: DVec2, out: f64, dt: f64) {
+        let tempo = self.size.sqrt();
+        let still = self.motion.velocity.length() < 0.06 * tempo && out < -0.01 * self.size;
+        self.quiet = if still { self.quiet + dt } else { 0.0 };
+        let feet = Side::BOTH.map(|side| self.sole_middle(figure, side));
+        let across = DVec2::new(self.heading.cos(), -self.heading.sin());
+        // Where a foot would stand beside the other.
+        let beside = |side: Side| feet[side.other() as usize] + across * (side.sign() * self.stance_width);
+        if let Some((side, since)) = self.shifting {
+            let stance = side.other();
+            let state = &self.motion.states[figure.legs[stance as usize][2]];
+            let sole = figure.soles[stance as usize].map(|corner| flat(state.origin + state.turn * corner));
+            let over = signed_distance(&convex_hull(&sole), xi) < -0.012 * self.size;
+            let weight = self.motion.mass * GRAVITY * dt;
+            if over && loads[side as usize] < 0.25 * weight {
+                let (ankle, yaw) = self.foot(figure, side);
+                let ground = ankle - DVec3::Y * figure.ankle_height;
+                self.shifting = None;
+                self.swing = Some(Swing {
+                    side,
+                    start: self.time,
+                    time: 0.5 * tempo,
+                    target: beside(side),
+                    from: ground,
+                    lift: 0.05 * self.size,
+                    comfort: true,
+                    reference: Reference { at: ground, ..Reference::default() },
+                    yaw,
+                    free: false,
+                });
+            } else if self.time - since > 2.0 * tempo {
+                self.shifting = None;
+                self.quiet = -1.0;
+            }
+        } else if self.quiet > 0.3 * tempo {
+            let off = |side: Side| {
+                let turned = wrap_angle(self.foot(figure, side).1 - self.heading).abs();
+                feet[side as usize].distance(beside(side)) / self.size + 0.3 * turned
+            };
+            let (left, right) = (off(Side::Left), off(Side::Right));
+            if left.max(right) > 0.09 {
+                let side = if left > right { Side::Left } else { Side::Right };
+                self.shifting = Some((side, self.time));
+            }
+        }
+    }
+}

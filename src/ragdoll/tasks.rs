@@ -1,0 +1,176 @@
+//! What the parts of the body should do, as accelerations, and the corners that can bear. Scenario space, SI.
+
+use super::control::Controller;
+use super::dynamics::{Acceleration, LegMap, Wrench};
+use super::figure::{Figure, Freedom, Part};
+use super::forces::Corner;
+use super::{flat, short};
+use crate::model::{Side, Terrain};
+use glam::{DQuat, DVec2, DVec3};
+
+impl Controller {
+    /// The middle of what bears, (x, z).
+    pub(super) fn support_middle(&self, figure: &Figure) -> DVec2 {
+        match (self.swing, self.shifting) {
+            (Some(swing), _) => self.sole_middle(figure, swing.side.other()),
+            (_, Some((side, _))) => self.sole_middle(figure, side.other()),
+            _ => 0.5 * (self.sole_middle(figure, Side::Left) + self.sole_middle(figure, Side::Right)),
+        }
+    }
+
+    /// m, the pelvis's height: the stand's, or less where a leg would not reach.
+    pub(super) fn wanted_height(&self, figure: &Figure, floor: f64) -> f64 {
+        let pelvis = self.states[0];
+        let mut height = self.pelvis_height + floor;
+        for side in Side::BOTH {
+            let [hip, knee, ankle] = figure.legs[side as usize];
+            let length = figure.links[knee].anchor.length() + figure.links[ankle].anchor.length();
+            let hip_at = self.states[hip].origin;
+            let over = hip_at.y - pelvis.origin.y;
+            let (foot, reach) = match self.swing {
+                Some(swing) if swing.side == side => {
+                    let left = (swing.start + swing.time - self.time).max(0.0);
+                    let goal = swing.target - self.ahead(swing.yaw);
+                    let drift = flat(self.motion.velocity) * left;
+                    let at = DVec3::new(goal.x - drift.x, self.states[ankle].origin.y.min(floor + figure.ankle_height), goal.y - drift.y);
+                    (at, self.tuning.reach[1] + 0.05 * left / swing.time)
+                }
+                _ => {
+                    // Who is at ease stands as in the stand, almost straight.
+                    let ease = ((self.time - self.alarmed) / self.size.sqrt() - 0.5).clamp(0.0, 1.0);
+                    let alarmed = self.tuning.reach[usize::from(self.swing.is_some())];
+                    (self.states[ankle].origin, alarmed + (self.tuning.at_ease - alarmed).max(0.0) * ease)
+                }
+            };
+            let away = (flat(hip_at) - flat(foot)).length();
+            let reach = reach * length;
+            let above = (reach * reach - away * away).max(0.09 * length * length).sqrt();
+            height = height.min(foot.y + above - over);
+        }
+        height.max(floor + 0.72 * self.pelvis_height)
+    }
+
+    /// What a foot's link should do.
+    pub(super) fn foot_task(&self, figure: &Figure, terrain: &Terrain, side: Side) -> Acceleration {
+        let foot = figure.legs[side as usize][2];
+        let state = &self.states[foot];
+        let tuning = &self.tuning;
+        match self.swing {
+            Some(swing) if swing.side == side => {
+                let goal = swing.reference.at + DVec3::Y * figure.ankle_height;
+                // Never so far that the knee would be straight: there a leg cannot be steered.
+                let [hip, knee, ankle] = figure.legs[side as usize];
+                let length = figure.links[knee].anchor.length() + figure.links[ankle].anchor.length();
+                let hip = self.states[hip].origin;
+                let goal = hip + (goal - hip).clamp_length_max(tuning.stretch * length);
+                let velocity = self.motion.origin_velocity(foot);
+                let spot = terrain.spot(flat(goal));
+                let level = DQuat::from_rotation_arc(DVec3::Y, spot.normal) * DQuat::from_rotation_y(swing.yaw);
+                let error = short(level * state.turn.inverse());
+                Acceleration {
+                    linear: (swing.reference.acceleration
+                        + (goal - state.origin) * tuning.foot[0]
+                        + (swing.reference.velocity - velocity) * tuning.foot[1])
+                        .clamp_length_max(tuning.foot_most[0]),
+                    angular: (error * tuning.foot_turn[0] - state.spin * tuning.foot_turn[1]).clamp_length_max(tuning.foot_most[1]),
+                }
+            }
+            _ => {
+                let spot = terrain.spot(flat(state.origin));
+                let up = state.turn * DVec3::Y;
+                let tilt = up.cross(spot.normal);
+                // A sole that came off goes back down; a tilted one turns about where it stands.
+                let over = figure.soles[side as usize].map(|corner| {
+                    let at = state.origin + state.turn * corner;
+                    (at, at.y - terrain.spot(flat(at)).height)
+                });
+                let low = over.iter().map(|(_, height)| *height).fold(f64::INFINITY, f64::min);
+                let bearing = |height: f64| (1.0 - (height - low) / (0.01 * self.size)).max(0.0);
+                let weight: f64 = over.iter().map(|(_, height)| bearing(*height)).sum();
+                let pivot = over.iter().map(|(at, height)| *at * bearing(*height)).sum::<DVec3>() / weight.max(1e-9);
+                let gap = low.clamp(-0.002, 0.1);
+                let back = spot.normal * ((gap + 0.001).max(0.0) * tuning.settle);
+                let angular = (tilt * tuning.level - state.spin * tuning.hold).clamp_length_max(400.0);
+                let held = -self.motion.origin_velocity(foot) * tuning.hold - back;
+                Acceleration {
+                    linear: held.clamp_length_max(100.0) + angular.cross(state.origin - pivot),
+                    angular,
+                }
+            }
+        }
+    }
+
+    /// All links' accelerations for one of the pelvis; the wrench that they take.
+    pub(super) fn spread(
+        &mut self,
+        figure: &Figure,
+        legs: &[LegMap; 2],
+        feet: &[Acceleration; 2],
+        root: &Acceleration,
+        trunk: DVec3,
+    ) -> Wrench {
+        let count = figure.links.len();
+        self.accelerations.clear();
+        self.accelerations.resize(count, Acceleration::default());
+        self.accelerations[0] = *root;
+        for side in 0..2 {
+            let [hip, knee, ankle] = figure.legs[side];
+            let shank = self.states[knee].turn;
+            let held = shank * DVec3::Y;
+            let held = held * held.dot(self.relative[ankle]);
+            let [a, b, c] = legs[side].solve(figure, &self.motion, root, &feet[side], held);
+            for (link, relative) in [(hip, a), (knee, b), (ankle, c)] {
+                let parent = figure.links[link].parent.unwrap_or(0);
+                self.accelerations[link] = self.motion.child(figure, link, &self.accelerations[parent], relative);
+            }
+        }
+        for index in 1..count {
+            let link = &figure.links[index];
+            match link.part {
+                Part::Thigh(_) | Part::Shank(_) | Part::Foot(_) => {}
+                Part::Trunk if self.tuning.apart => {
+                    let parent = self.accelerations[0];
+                    let still = self.motion.child(figure, index, &parent, DVec3::ZERO);
+                    self.accelerations[index] = Acceleration { angular: trunk, ..still };
+                }
+                _ => {
+                    let parent = link.parent.unwrap_or(0);
+                    let relative = match link.freedom {
+                        Freedom::Hinge { axis, .. } => {
+                            let axis = self.states[parent].turn * axis;
+                            axis * axis.dot(self.relative[index])
+                        }
+                        _ => self.relative[index],
+                    };
+                    self.accelerations[index] =
+                        self.motion.child(figure, index, &self.accelerations[parent], relative);
+                }
+            }
+        }
+        self.motion.wrench(figure, &self.accelerations)
+    }
+
+    /// Corners of the feet that bear, named.
+    pub(super) fn corners(&self, figure: &Figure, terrain: &Terrain) -> Vec<(usize, Corner)> {
+        let mut corners = Vec::with_capacity(8);
+        let moving = self.swing.is_some();
+        for side in Side::BOTH {
+            if self.swing.is_some_and(|swing| swing.side == side) {
+                continue;
+            }
+            let state = &self.states[figure.legs[side as usize][2]];
+            let middle = figure.soles[side as usize].iter().copied().sum::<DVec3>() / 4.0;
+            let leaves = self.leaving.is_some_and(|(leaving, _)| leaving == side);
+            let dear = if leaves { 30.0 } else { 1.0 };
+            for (index, corner) in figure.soles[side as usize].iter().enumerate() {
+                let at = state.origin + state.turn * (middle + (*corner - middle) * self.tuning.inside);
+                let spot = terrain.spot(flat(at));
+                if at.y - spot.height < 0.02 * self.size {
+                    let corner = Corner { at, normal: spot.normal, foot: side as usize, dear, least: if moving || self.shifting.is_some() { 0.0 } else { self.tuning.least / 4.0 } };
+                    corners.push((side as usize * 4 + index, corner));
+                }
+            }
+        }
+        corners
+    }
+}

@@ -1,0 +1,116 @@
+//! The dials of the balance law, for a body of 89.5 kg with legs of 0.83 m: lengths scale with the leg, times with its root.
+//!
+//! Found by random search on seeded pushes that no test or benchmark uses.
+
+use super::plan::StepTuning;
+
+/// Everything that can be turned.
+#[derive(Clone, Copy, Debug)]
+pub struct Tuning {
+    /// Stepping.
+    pub step: StepTuning,
+    /// Feedback from ξ to the centre of pressure.
+    pub cop_gain: f64,
+    /// Share of the angular momentum in ξ.
+    pub momentum: f64,
+    /// m, ξ so far outside the soles starts a step.
+    pub trigger: f64,
+    /// m, by which the soles are shrunk for that.
+    pub shrunk: f64,
+    /// N m, the moment that may be asked for in stance, and more in a swing.
+    pub moment: [f64; 2],
+    /// 1/s², 1/s: height.
+    pub height: [f64; 2],
+    /// 1/s², 1/s: pelvis.
+    pub pelvis: [f64; 2],
+    /// rad/s²: most.
+    pub pelvis_most: f64,
+    /// 1/s², 1/s: trunk.
+    pub trunk: [f64; 2],
+    /// 1/s², 1/s: swing foot.
+    pub foot: [f64; 2],
+    /// 1/s², 1/s: swing foot's turn.
+    pub foot_turn: [f64; 2],
+    /// Weights of the forces' tasks: sideways, up, level turn, yaw.
+    pub weights: [f64; 4],
+    /// Weight of the shares.
+    pub ridge: f64,
+    /// Share of the servo's stiffness and damping that stands by, in the legs and elsewhere.
+    pub standby: [f64; 2],
+    /// N m/rad and N m s/rad that stand by in the joints of a leg that bears.
+    pub bearing: [f64; 2],
+    /// m, lift of a step.
+    pub lift: [f64; 2],
+    /// Share of the observed push that is foreseen.
+    pub foreseen: f64,
+    /// Share of the weight that each foot keeps while both stand, and that the other bears before one leaves.
+    pub least: f64,
+    /// As `least` says.
+    pub borne: f64,
+    /// 1/s², pull of the ground on a sole that came off.
+    pub settle: f64,
+    /// The trunk turns apart from the pelvis.
+    pub apart: bool,
+    /// m/s², rad/s²: most of a swing foot.
+    pub foot_most: [f64; 2],
+    /// Share of a swing by which the foot must be off the ground.
+    pub rise: f64,
+    /// 1/s, how hard a foot that bears is held still.
+    pub hold: f64,
+    /// Share of a leg's length that it is to use: standing, stepping.
+    pub reach: [f64; 2],
+    /// Share of a bearing foot's motion that is stopped at once.
+    pub snap: f64,
+    /// 1/s², how hard a bearing sole is laid flat.
+    pub level: f64,
+    /// Share of its length that a swinging leg uses.
+    pub stretch: f64,
+    /// Share of a leg's length that a body at ease stands on.
+    pub at_ease: f64,
+    /// Share of the sole that is planned with.
+    pub inside: f64,
+    /// m/s, how fast the wanted height changes.
+    pub sink: f64,
+    /// Damping of the legs' inverse: bearing, swinging.
+    pub damping: [f64; 2],
+}
+
+impl Default for Tuning {
+    fn default() -> Tuning {
+        Tuning {
+            step: StepTuning::default(),
+            cop_gain: 2.3,
+            momentum: 1.1,
+            trigger: 0.02,
+            shrunk: 0.03,
+            moment: [120.0, 350.0],
+            height: [100.0, 20.0],
+            pelvis: [75.0, 12.0],
+            pelvis_most: 40.0,
+            trunk: [100.0, 16.0],
+            foot: [600.0, 40.0],
+            foot_turn: [600.0, 40.0],
+            weights: [1.0, 1.0, 0.3, 0.2],
+            ridge: 0.02,
+            standby: [0.2, 0.2],
+            bearing: [2000.0, 200.0],
+            lift: [0.072, 0.1],
+            foreseen: 0.7,
+            least: 0.06,
+            borne: 0.03,
+            settle: 1000.0,
+            apart: false,
+            foot_most: [80.0, 90.0],
+            rise: 0.25,
+            hold: 0.0,
+            reach: [0.965, 0.945],
+            snap: 0.8,
+            level: 800.0,
+            stretch: 0.965,
+            at_ease: 0.98,
+            inside: 1.0,
+            sink: 0.8,
+            damping: [0.08, 0.2],
+        }
+    }
+}

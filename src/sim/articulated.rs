@@ -1,0 +1,411 @@
+//! A run of the articulated body under pushes, and the trace that it leaves: the same as the stepper's, read off the links.
+//!
+//! Scenario space, SI, 10 ms ticks. The arms are told what a pushed person's would do (`whole_body::reaction`) and do what
+//! their joints let them. It stands, sways, steps and falls; it does not walk, carry or ride yet.
+
+use super::{SessionPush, SimulateOptions, TickState, Trace};
+use crate::maths::filter::zero_lag;
+use crate::maths::quat::{rotation_vector, yaw_of};
+use crate::measure::{KnownPush, PushPoint};
+use crate::model::{Body, BodyPose, Physique, Plant, Role, Side, Terrain};
+use crate::ragdoll::control::{Assist, Report};
+use crate::ragdoll::{Controller, Figure, LinkState, Locks, Tuning, World};
+use crate::stepper::{Phase, Step, StepKind};
+use crate::whole_body::reaction::{Personality, Reaction, Senses, upper_turns};
+use crate::whole_body::stand::relaxed_arms;
+use crate::whole_body::{Anatomy, ArmAngles, Solver, stand};
+use glam::{DQuat, DVec2, DVec3, EulerRot};
+
+/// The solver's iterations a tick: with fewer it stands less well, with more it takes longer (notes in `ragdoll::world`).
+const ITERATIONS: usize = 4;
+/// Share of the standing height under which the centre of mass has fallen (DESIGN, "fallen").
+const FALLEN: f64 = 0.57;
+/// Hz, above which the links' turns are jitter.
+const JITTER: f64 = 9.0;
+/// s after a landing until a sole has settled.
+const SETTLED: f64 = 0.06;
+
+/// The upper body at a tick: what a pose is made of beside its feet and its centre of mass.
+#[derive(Clone, Copy, Debug)]
+pub struct UpperPose {
+    /// Global turn of the pelvis from its upright rest.
+    pub pelvis: DQuat,
+    /// Of the upper trunk.
+    pub chest: DQuat,
+    /// Of the head.
+    pub head: DQuat,
+    /// Left and right.
+    pub arms: [ArmAngles; 2],
+}
+
+/// What the pelvis was given that no contact supplied.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Help {
+    /// N m, largest and root mean square over the run.
+    pub torque: [f64; 2],
+    /// N, likewise.
+    pub force: [f64; 2],
+}
+
+/// A finished run.
+#[derive(Clone, Debug)]
+pub struct Articulated {
+    /// As of the stepper.
+    pub trace: Trace,
+    /// One a tick.
+    pub upper: Vec<UpperPose>,
+    /// What the pelvis was given.
+    pub help: Help,
+    /// N m, the largest torque that a joint gave.
+    pub peak_torque: f64,
+}
+
+/// Why there is no run.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("the articulated body broke down at {time:.2} s")]
+pub struct BrokenBody {
+    /// s.
+    pub time: f64,
+}
+
+/// Runs a body that stands, under those pushes (with each: its direction is the character's own).
+pub fn simulate_articulated(
+    body: &Body,
+    anatomy: &Anatomy,
+    physique: &Physique,
+    terrain: &Terrain,
+    options: &SimulateOptions,
+    pushes: &[(KnownPush, bool)],
+    assist: Assist,
+) -> Result<Articulated, BrokenBody> {
+    let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
+    let target = stand::stand_target(body, &plants, DVec3::Y * physique.com_height, 0.0);
+    let standing = Solver::new(body, anatomy).solve(&target).pose;
+    let figure = Figure::new(body, &standing, Locks::default());
+    let mut run = Run::new(&figure, &standing, body, terrain, options.dt);
+    run.control.assist = assist;
+    let mut reaction = Reaction::new(physique, Personality::default(), 0.5);
+    let planned = (options.duration / options.dt - 1e-9).ceil().max(0.0) as usize;
+    let most = planned + (options.extra / options.dt).ceil() as usize;
+    let mut acting: Vec<SessionPush> = pushes
+        .iter()
+        .map(|(push, turns)| SessionPush {
+            start: push.start,
+            duration: push.end - push.start,
+            force: push.force,
+            turns: *turns,
+            arm: 0.0,
+        })
+        .collect();
+    let mut record = Record::new(plants);
+    let mut rest = 0.0;
+    let mut lost = None;
+    for tick in 0..=most {
+        let time = tick as f64 * options.dt;
+        if tick > planned && rest >= 0.5 {
+            break;
+        }
+        run.world.clear_forces();
+        let report = run.control.tick(&figure, &mut run.world, terrain);
+        if !report.com.is_finite() || report.com.length() > 100.0 {
+            return Err(BrokenBody { time });
+        }
+        let facing = yaw_of(run.control.states()[0].turn);
+        for push in acting.iter_mut().filter(|push| push.turns && push.start < time + options.dt - 1e-9) {
+            push.force = DQuat::from_rotation_y(facing) * push.force;
+            push.turns = false;
+        }
+        let (force, moment) = run.push(&figure, body, &acting, pushes, time, report.com);
+        record.tick(&figure, &run.control, &report, (force, moment), physique, time);
+        let state = record.ticks.last().expect("just recorded");
+        let angles = reaction.tick(&senses(state), options.dt);
+        let (_, _, _, arms) = upper_turns(&angles);
+        run.pose_arms(&figure, &arms);
+        rest = if run.control.swing.is_none() && report.velocity.length() < 0.05 { rest + options.dt } else { 0.0 };
+        if report.com.y < FALLEN * physique.com_height + terrain.spot(DVec2::new(report.com.x, report.com.z)).height {
+            lost = Some(time);
+            break;
+        }
+        run.world.step(terrain, time + options.dt);
+    }
+    Ok(record.finish(options.dt, acting, lost, rest, &figure))
+}
+
+/// The world and its controller.
+struct Run {
+    world: World,
+    control: Controller,
+}
+
+impl Run {
+    fn new(figure: &Figure, standing: &BodyPose, body: &Body, terrain: &Terrain, dt: f64) -> Run {
+        let world = World::new(figure, &figure.placed(body, standing), terrain, dt, ITERATIONS);
+        let control = Controller::new(figure, &world, Tuning::default());
+        Run { world, control }
+    }
+
+    /// Lets the pushes act on their links for the coming tick; their sum, and its moment about the centre of mass.
+    fn push(
+        &mut self,
+        figure: &Figure,
+        body: &Body,
+        acting: &[SessionPush],
+        pushes: &[(KnownPush, bool)],
+        time: f64,
+        com: DVec3,
+    ) -> (DVec3, DVec3) {
+        let (mut force, mut moment) = (DVec3::ZERO, DVec3::ZERO);
+        for (push, (known, _)) in acting.iter().zip(pushes) {
+            let covered = (push.start + push.duration).min(time + self.world.dt) - push.start.max(time);
+            let share = (covered / self.world.dt).clamp(0.0, 1.0);
+            if share < 1e-9 {
+                continue;
+            }
+            let states = self.control.states();
+            let placed = |joint: usize, offset: DVec3| {
+                let link = figure.link_of[joint];
+                let rest = figure.joint_in_link(body, joint) + figure.stand.turns[joint] * offset;
+                (link, states[link].origin + states[link].turn * rest)
+            };
+            let (link, at) = match known.at {
+                PushPoint::Joint(joint) => placed(joint, DVec3::ZERO),
+                PushPoint::Segment(joint, offset) => placed(joint, offset),
+                PushPoint::Centre => (0, com),
+                PushPoint::World(point) => (figure.trunk, point),
+            };
+            self.world.push(link, push.force * share, at, DVec3::ZERO);
+            force += push.force * share;
+            moment += (at - com).cross(push.force * share);
+        }
+        (force, moment)
+    }
+
+    /// Tells the arms how they would be held.
+    fn pose_arms(&mut self, figure: &Figure, arms: &[ArmAngles; 2]) {
+        let lean = DQuat::from_rotation_x(stand::TRUNK_LEAN);
+        for side in Side::BOTH {
+            let [upper, lower] = figure.arms[side as usize];
+            let (wanted, relaxed) = (hung(side, &arms[side as usize]), hung(side, &relaxed_arms()));
+            self.control.posture[upper] = lean * wanted * relaxed.inverse() * lean.inverse();
+            if let crate::ragdoll::figure::Freedom::Hinge { axis, .. } = figure.links[lower].freedom {
+                let bend = arms[side as usize].elbow - relaxed_arms().elbow;
+                self.control.posture[lower] = DQuat::from_axis_angle(axis, bend);
+            }
+        }
+    }
+}
+
+/// An upper arm's turn against the chest from hanging straight down.
+fn hung(side: Side, angles: &ArmAngles) -> DQuat {
+    DQuat::from_rotation_z(side.sign() * angles.abduct)
+        * DQuat::from_rotation_x(-angles.raise)
+        * DQuat::from_rotation_y(-side.sign() * angles.inward)
+}
+
+fn senses(tick: &TickState) -> Senses {
+    Senses {
+        acceleration: tick.acceleration,
+        push: tick.push,
+        push_moment: tick.push_moment,
+        xi: tick.xi,
+        velocity: DVec2::new(tick.velocity.x, tick.velocity.z),
+        wanted: DVec2::ZERO,
+        crouched: 0.0,
+        on_one: false,
+        feet: tick.feet,
+        planted: tick.planted,
+        facing: tick.facing,
+    }
+}
+
+/// What is kept of a run.
+struct Record {
+    ticks: Vec<TickState>,
+    upper: Vec<UpperPose>,
+    start: [Plant; 2],
+    bearing: [bool; 2],
+    swings: Vec<(Side, StepKind, f64, f64)>, // side, why, lift, land
+    lifted: [Option<(f64, StepKind)>; 2],
+    help: Help,
+    peak_torque: f64,
+}
+
+impl Record {
+    fn new(start: [Plant; 2]) -> Record {
+        Record {
+            ticks: Vec::new(),
+            upper: Vec::new(),
+            start,
+            bearing: [true; 2],
+            swings: Vec::new(),
+            lifted: [None; 2],
+            help: Help::default(),
+            peak_torque: 0.0,
+        }
+    }
+
+    fn tick(
+        &mut self,
+        figure: &Figure,
+        control: &Controller,
+        report: &Report,
+        (push, push_moment): (DVec3, DVec3),
+        physique: &Physique,
+        time: f64,
+    ) {
+        let states = control.states();
+        let feet = Side::BOTH.map(|side| {
+            let state = states[figure.legs[side as usize][2]];
+            let ankle = state.origin - DVec3::Y * figure.ankle_height;
+            Plant::level(DVec3::new(ankle.x, 0.0, ankle.z), yaw_of(state.turn) + self.start[side as usize].yaw)
+        });
+        for side in Side::BOTH {
+            let bears = report.bears[side as usize];
+            if self.bearing[side as usize] && !bears {
+                let comfort = control.swing.is_some_and(|swing| swing.comfort);
+                let kind = if comfort { StepKind::Comfort } else { StepKind::Corrective };
+                self.lifted[side as usize] = Some((time, kind));
+            } else if !self.bearing[side as usize] && bears {
+                if let Some((lift, kind)) = self.lifted[side as usize].take() {
+                    self.swings.push((side, kind, lift, time));
+                }
+            }
+        }
+        self.bearing = report.bears;
+        let before = self.ticks.last().map_or(report.velocity, |tick| tick.velocity);
+        self.ticks.push(TickState {
+            com: report.com,
+            velocity: report.velocity,
+            acceleration: (report.velocity - before) / 0.01,
+            xi: report.xi,
+            cop: report.cop,
+            push,
+            push_moment,
+            feet,
+            planted: report.bears,
+            facing: yaw_of(states[figure.trunk].turn),
+            walk: DVec2::ZERO,
+            gait: Phase::Rest,
+            crouched: 0.0,
+        });
+        debug_assert!(physique.mass > 0.0);
+        self.upper.push(upper(figure, states));
+        let [torque, force] = report.help.map(DVec3::length);
+        self.help.torque = [self.help.torque[0].max(torque), self.help.torque[1] + torque * torque];
+        self.help.force = [self.help.force[0].max(force), self.help.force[1] + force * force];
+        self.peak_torque = self.peak_torque.max(report.peak_torque);
+    }
+
+    fn finish(mut self, dt: f64, pushes: Vec<SessionPush>, lost: Option<f64>, rest: f64, figure: &Figure) -> Articulated {
+        debug_assert!(figure.mass > 0.0);
+        let count = self.ticks.len().max(1) as f64;
+        self.help.torque[1] = (self.help.torque[1] / count).sqrt();
+        self.help.force[1] = (self.help.force[1] / count).sqrt();
+        let steps = self.steps(dt);
+        let upper = smooth(&self.upper, 1.0 / dt);
+        let trace = Trace {
+            dt,
+            ticks: self.ticks,
+            steps,
+            aloft: None,
+            pushes,
+            start: self.start,
+            lost,
+            rest,
+        };
+        Articulated { trace, upper, help: self.help, peak_torque: self.peak_torque }
+    }
+
+    /// Steps between the places where the feet stood while they stood.
+    fn steps(&self, dt: f64) -> Vec<Step> {
+        let last = self.ticks.len() as f64 * dt;
+        let mut steps: Vec<Step> = Vec::new();
+        for side in Side::BOTH {
+            let own: Vec<_> = self.swings.iter().filter(|swing| swing.0 == side).collect();
+            let mut from = self.start[side as usize];
+            for (index, (_, kind, lift, land)) in own.iter().enumerate() {
+                let until = own.get(index + 1).map_or(last, |next| next.2);
+                let to = self.stood(side, (land + SETTLED).min(until), until, dt);
+                steps.push(Step { side, kind: *kind, lift: *lift, land: *land, from, to });
+                from = to;
+            }
+        }
+        steps.sort_by(|a, b| a.lift.total_cmp(&b.lift));
+        steps
+    }
+
+    /// Where a foot stood between two times, in the mean.
+    fn stood(&self, side: Side, from: f64, to: f64, dt: f64) -> Plant {
+        let last = self.ticks.len() - 1;
+        let first = ((from / dt).round() as usize).min(last);
+        let end = ((to / dt).round() as usize).clamp(first, last);
+        let plants = self.ticks[first..=end].iter().map(|tick| tick.feet[side as usize]);
+        let count = (end - first + 1) as f64;
+        let ankle = plants.clone().map(|plant| plant.ankle).sum::<DVec3>() / count;
+        let yaw = plants.map(|plant| plant.yaw).sum::<f64>() / count;
+        Plant::level(ankle, yaw)
+    }
+}
+
+/// The upper body's pose from the links.
+fn upper(figure: &Figure, states: &[LinkState]) -> UpperPose {
+    let lean = DQuat::from_rotation_x(stand::TRUNK_LEAN);
+    let trunk = states[figure.trunk].turn;
+    let head = figure.link_of_role(Role::Head).map_or(trunk, |link| states[link].turn);
+    let arms = Side::BOTH.map(|side| {
+        let [upper, lower] = figure.arms[side as usize];
+        let relaxed = relaxed_arms();
+        let against = trunk.inverse() * states[upper].turn;
+        let turned = lean.inverse() * against * lean * hung(side, &relaxed);
+        let (z, x, y) = turned.to_euler(EulerRot::ZXY);
+        let bend = match figure.links[lower].freedom {
+            crate::ragdoll::figure::Freedom::Hinge { axis, .. } => {
+                rotation_vector(states[upper].turn.inverse() * states[lower].turn).dot(axis)
+            }
+            _ => 0.0,
+        };
+        ArmAngles {
+            raise: -x,
+            abduct: side.sign() * z,
+            inward: -side.sign() * y,
+            elbow: relaxed.elbow + bend,
+            curl: relaxed.curl,
+        }
+    });
+    UpperPose { pelvis: states[0].turn, chest: trunk * lean, head, arms }
+}
+
+/// Without the contacts' jitter, and without lag.
+fn smooth(upper: &[UpperPose], hz: f64) -> Vec<UpperPose> {
+    let turned = |pick: &dyn Fn(&UpperPose) -> DQuat| -> Vec<DQuat> {
+        let vectors: Vec<DVec3> = upper.iter().map(|pose| rotation_vector(pick(pose))).collect();
+        zero_lag(&vectors, JITTER, hz).into_iter().map(DQuat::from_scaled_axis).collect()
+    };
+    let (pelvis, chest, head) = (turned(&|pose| pose.pelvis), turned(&|pose| pose.chest), turned(&|pose| pose.head));
+    let angle = |side: usize, pick: &dyn Fn(&ArmAngles) -> f64| -> Vec<f64> {
+        let series: Vec<f64> = upper.iter().map(|pose| pick(&pose.arms[side])).collect();
+        zero_lag(&series, JITTER, hz)
+    };
+    let arms = [0, 1].map(|side| {
+        [
+            angle(side, &|arm| arm.raise),
+            angle(side, &|arm| arm.abduct),
+            angle(side, &|arm| arm.inward),
+            angle(side, &|arm| arm.elbow),
+        ]
+    });
+    (0..upper.len())
+        .map(|index| UpperPose {
+            pelvis: pelvis[index],
+            chest: chest[index],
+            head: head[index],
+            arms: [0, 1].map(|side| ArmAngles {
+                raise: arms[side][0][index],
+                abduct: arms[side][1][index],
+                inward: arms[side][2][index],
+                elbow: arms[side][3][index],
+                curl: upper[index].arms[side].curl,
+            }),
+        })
+        .collect()
+}
