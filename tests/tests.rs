@@ -34,6 +34,8 @@ mod picture;
 mod rig_variants;
 /// Real rigs: bones, height, heading, unit.
 mod rigs;
+/// Soles in plan: apart and uncrossed.
+mod soles;
 /// On one foot, and crouched.
 mod stances;
 /// The controller: standing, recovering, stepping.

@@ -3,7 +3,7 @@
 
 use super::control::wrap;
 use super::gait::{self, Rhythm};
-use super::{Params, Physique, Plant, State, Swing, ground, support, swing, turn, walk};
+use super::{Params, Physique, Plant, State, Swing, footing, ground, support, swing, turn, walk};
 use crate::maths::pendulum;
 use crate::model::Side;
 use glam::{DVec2, DVec3};
@@ -156,6 +156,13 @@ fn landing(
         let way = turn::rotated(gait.velocity, amid).normalize_or(ahead);
         step.landing(rear, (com, velocity), (walk::omega(params, physique), state.com.y.max(0.1), 0.0), way)
     };
+    if gait.spot {
+        let (ideal, yaw) = turn::around(params, physique, state, side);
+        let ankle = ideal + (wanted - ideal).clamp_length_max(0.03 * params.size);
+        let plant = Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), yaw);
+        let plant = footing::apart(physique, stance, &plant, side, 0.02 * params.size);
+        return Footfall { plant, off: ground(plant.ankle).distance(wanted), wait, time };
+    }
     let (from, gone) = match state.swing {
         Some(swing) if swing.side == side => (ground(swing.from.ankle), state.time - swing.lift),
         _ => (ground(state.feet[side as usize].ankle), 0.0),
