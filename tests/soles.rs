@@ -134,7 +134,7 @@ fn soles_stay_apart_and_uncrossed_in_turns_on_the_spot() {
             hold("soles apart", down.0 >= room && swinging.0 >= room);
             hold("uncrossed", crossed.0 > body.half_width);
             hold("toes", inward > -0.6 && outward < 1.1);
-            hold("on the spot", away < 0.5);
+            hold("on the spot", away < 0.65);
             hold("rests", trace.lost.is_none() && trace.rest >= 0.5);
         }
     }

@@ -141,7 +141,7 @@ pub fn both_down(
             return (false, None);
         }
     } else {
-        let least = ((params.double_support - state.settled).max(0.0), params.least_swing);
+        let least = ((params.double_support - state.settled).max(0.0), footfall::least_swing(params, state));
         let footfall = footfall::plan(params, physique, state, state.gait.side, (left_over, single), least);
         if footfall.off > params.stumble {
             state.gait.phase = Phase::Rest;
