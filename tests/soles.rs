@@ -4,10 +4,10 @@
 //! every tick that both carry and in every swing beside the foot that stands.
 
 use crate::limits_grid::rigs;
-use glam::DVec2;
-use surefoot::model::scenario::Turn;
+use glam::{DVec2, DVec3};
+use surefoot::model::scenario::{Turn, Walk};
 use surefoot::model::{Body, Physique, Plant};
-use surefoot::sim::{Script, SimulateOptions, TickState, Trace, simulate};
+use surefoot::sim::{Script, SessionPush, SimulateOptions, TickState, Trace, simulate};
 use surefoot::stepper::ground;
 use surefoot::stepper::support::{forward, left};
 use surefoot::whole_body::{Anatomy, stand};
@@ -139,4 +139,85 @@ fn soles_stay_apart_and_uncrossed_in_turns_on_the_spot() {
         }
     }
     assert!(failed.is_empty(), "{failed:#?}");
+}
+
+/// Shoved for 0.2 s towards `degrees` with so many Ns of the reference body.
+fn shove(body: &Physique, start: f64, degrees: f64, impulse: f64) -> SessionPush {
+    let scale = body.mass / 89.5 * (body.leg_length / 0.83).sqrt();
+    let way = forward(degrees.to_radians()) * (impulse * scale / 0.2);
+    SessionPush { start, duration: 0.2, force: DVec3::new(way.x, 0.0, way.y), turns: false, arm: 0.0 }
+}
+
+#[test]
+fn soles_stay_apart_in_recoveries_and_come_to_stand_side_by_side() {
+    let (mut failed, mut fallen) = (Vec::new(), 0);
+    for (name, body) in bodies() {
+        let size = body.leg_length / 0.83;
+        for (what, speed, heading) in
+            [("standing", 0.0, 0.0), ("walking", 1.2, 0.0), ("sideways", 0.4, 90.0), ("backward", 0.6, 180.0_f64)]
+        {
+            let mut worst = [(f64::INFINITY, String::new()), (f64::INFINITY, String::new())];
+            let mut clips = 0;
+            let mut overlapping = 0;
+            for eighth in 0..8 {
+                for impulse in [0.0, 20.0, 40.0, 60.0, 80.0, 100.0] {
+                    let degrees = 45.0 * f64::from(eighth);
+                    let entry = Walk {
+                        start: 0.3,
+                        duration: None,
+                        speed: speed * size.sqrt(),
+                        heading: heading.to_radians(),
+                        facing: Some(0.0),
+                    };
+                    let walk = if speed > 0.0 { vec![entry, Walk { start: 4.5, speed: 0.0, ..entry }] } else { vec![] };
+                    let push = shove(&body, if speed > 0.0 { 2.5 } else { 0.6 }, degrees, impulse);
+                    let script = Script { walk, ..Script::standing(&[push]) };
+                    let options = SimulateOptions { duration: 9.0, ..SimulateOptions::default() };
+                    let trace = simulate(&body, &script, &options);
+                    if trace.lost.is_some() {
+                        fallen += 1;
+                        continue;
+                    }
+                    clips += 1;
+                    let down = least(&trace, |tick| (tick.planted == [true; 2]).then(|| clear(&body, &tick.feet)));
+                    let swing = least(&trace, |tick| (tick.planted != [true; 2]).then(|| clear(&body, &tick.feet)));
+                    overlapping += u32::from(down.0 < 0.0);
+                    for (worst, (found, at)) in worst.iter_mut().zip([down, swing]) {
+                        if found < worst.0 {
+                            *worst = (found, format!("{degrees} deg {impulse} Ns at {at:.2} s"));
+                        }
+                    }
+                    let end = trace.ticks[trace.ticks.len() - 1];
+                    let (stood, stands) = (clear(&body, &trace.ticks[0].feet), clear(&body, &end.feet));
+                    let staggered = ground(end.feet[0].ankle - end.feet[1].ankle).dot(forward(end.facing)).abs() / size;
+                    let twisted = splay(&body, &end.feet).abs();
+                    if stands < 0.01_f64.min(0.5 * stood)
+                        || uncrossed(&end.feet) < body.half_width
+                        || staggered > 0.051
+                        || twisted > 0.25
+                        || trace.rest < 0.5
+                    {
+                        failed.push(format!(
+                            "{name} {what} {degrees} {impulse}: ends {stands:.3} clear, {staggered:.3} staggered, {twisted:.2} twisted"
+                        ));
+                    }
+                    if down.0 < (0.01 * size).min(0.2 * stood) {
+                        failed
+                            .push(format!("{name} {what} {degrees} {impulse}: {:.3} clear at {:.2} s", down.0, down.1));
+                    }
+                }
+            }
+            let [down, swing] = worst;
+            eprintln!(
+                "{name} {what}: {clips} clips, {overlapping} overlap; least {:.1} cm down ({}), {:.1} cm in a swing ({})",
+                100.0 * down.0,
+                down.1,
+                100.0 * swing.0,
+                swing.1
+            );
+        }
+    }
+    assert!(failed.is_empty(), "{} of them: {failed:#?}", failed.len());
+    // Goal 0: pushes of 60 to 100 Ns against the way of the gait.
+    assert!(fallen <= 16, "{fallen} of 960 fall");
 }

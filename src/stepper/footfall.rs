@@ -165,7 +165,7 @@ fn landing(
         let (ideal, yaw) = turn::around(params, physique, state, side);
         let ankle = ideal + (wanted - ideal).clamp_length_max(0.03 * params.size);
         let plant = Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), yaw);
-        let plant = footing::apart(physique, stance, &plant, side, 0.02 * params.size);
+        let plant = footing::apart(physique, stance, &plant, side, footing::ROOM * params.size);
         let off = (ground(plant.ankle).distance(wanted) - 0.08 * params.size).max(0.0); // no haste for less
         return Footfall { plant, off, wait, time };
     }
@@ -179,7 +179,9 @@ fn landing(
     let (ankle, off) = if crossed + 0.1 * params.size < straight { (over, crossed) } else { (own, straight) };
     let yaw = state.facing + amid + side.sign() * physique.toe_out;
     let yaw = stance.yaw + wrap(yaw - stance.yaw).clamp(-1.0, 1.0);
-    Footfall { plant: Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), yaw), off, wait, time }
+    let plant = Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), yaw);
+    let plant = footing::apart(physique, stance, &plant, side, footing::ROOM * params.size);
+    Footfall { plant, off, wait, time }
 }
 
 /// The nearest landing that legs can do in `fly` s: on the foot's own side, or across in front of the other one

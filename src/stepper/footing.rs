@@ -3,6 +3,7 @@
 //! The controller reckons heights over the ground that carries the body (the clip adds the ground's own): here only the
 //! feet know the ground. Scenario space unless a name says ground frame; metres, radians.
 
+use super::control::wrap;
 use super::{Params, Physique, Plant, State, ground, support};
 use crate::model::scenario::GroundKind;
 use crate::model::terrain::FIRST;
@@ -11,6 +12,8 @@ use glam::{DQuat, DVec2, DVec3};
 
 /// s, of the reference body: a step on stairs takes no less.
 pub const STAIR_STEP: f64 = 0.55;
+/// m, of the reference body: soles land so far apart.
+pub const ROOM: f64 = 0.015;
 /// m, that a sole keeps from an edge.
 const EDGE: f64 = 0.01;
 
@@ -87,24 +90,41 @@ pub fn clear(physique: &Physique, feet: [&Plant; 2]) -> f64 {
     (if crossed { 0.0 } else { gap }) - 2.0 * physique.half_width
 }
 
-/// The landing of `side` moved outwards, square to the middle of the two feet's ways, until `room` m lie between the
-/// soles; no farther than a sole is long.
+/// The landing of `side` moved the shortest way, outwards or along the feet, until `room` m lie between the soles; no
+/// farther than a sole is long.
 pub fn apart(physique: &Physique, stance: &Plant, plant: &Plant, side: Side, room: f64) -> Plant {
-    let way = stance.yaw + 0.5 * super::control::wrap(plant.yaw - stance.yaw);
-    let out = support::left(way) * side.sign();
-    let mut plant = *plant;
-    let most = physique.tip - physique.heel;
-    let mut moved = 0.0;
-    while moved < most {
-        let lack = room - clear(physique, [stance, &plant]);
-        if lack <= 0.0 {
-            break;
-        }
-        let step = lack.max(0.01 * most);
-        plant.ankle += DVec3::new(out.x, 0.0, out.y) * step;
-        moved += step;
+    if clear(physique, [stance, plant]) >= room {
+        return *plant;
     }
-    plant
+    let way = stance.yaw + 0.5 * wrap(plant.yaw - stance.yaw);
+    let (out, ahead) = (support::left(way) * side.sign(), support::forward(way));
+    let mut best = (f64::INFINITY, *plant);
+    for way in [out, ahead, -ahead] {
+        let found = moved(physique, stance, plant, way, room);
+        if found.0 < best.0 {
+            best = found;
+        }
+    }
+    best.1
+}
+
+/// How far that way, m, and where it then is.
+fn moved(physique: &Physique, stance: &Plant, plant: &Plant, way: DVec2, room: f64) -> (f64, Plant) {
+    let most = physique.tip - physique.heel;
+    let (mut gone, mut plant) = (0.0, *plant);
+    loop {
+        let lack = room - clear(physique, [stance, &plant]);
+        if lack <= 1e-4 * most {
+            return (gone, plant);
+        }
+        if gone >= most {
+            return (f64::INFINITY, plant);
+        }
+        // no nearer than by what lacks does any way lead apart
+        let step = lack.max(1e-3 * most);
+        plant.ankle += DVec3::new(way.x, 0.0, way.y) * step;
+        gone += step;
+    }
 }
 
 /// m, the longest step that the ground allows a body at `place` that goes that way: a tread, on and before stairs.

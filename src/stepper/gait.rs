@@ -52,7 +52,9 @@ pub fn rhythm(
     Rhythm {
         step: step * params.tempo,
         double: if params.rolls { share * step * params.tempo } else { 0.0 },
-        width: params.step_width + (params.width - params.step_width).max(0.06 * params.size) * spin * (1.0 - speed).max(0.0) + travel,
+        width: params.step_width
+            + (params.width - params.step_width).max(0.06 * params.size) * spin * (1.0 - speed).max(0.0)
+            + travel,
         roll: [mid - half, mid + half],
     }
 }
