@@ -9,12 +9,14 @@ use crate::export::{baked_path, json_of};
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 use serde_json::Value;
-use surefoot::bake::{BakeOptions, Baked, bake};
+use surefoot::bake::{BakeOptions, Baked, RootMotion, bake};
 use surefoot::measure::percentile;
 
 use surefoot::model::report::Outcome;
 use surefoot::model::scenario::Scenario;
 use surefoot::model::scenario_text;
+use surefoot::model::{KeyValues, Target};
+use surefoot::rig::animate::RootCarrier;
 use surefoot::rig::mannequin::BUILTIN;
 use surefoot::rig::{Rig, load_bytes};
 
@@ -242,5 +244,41 @@ fn props_stand_after_the_sources_own_nodes_and_turn_as_the_ground_does() {
         assert!((again.body.height - rig.body.height).abs() < 1e-9);
         let shift = |a: DVec3, b: DVec3| a.distance(b);
         assert!(shift(again.document_from_scenario.translation, rig.document_from_scenario.translation) < 1e-9);
+    }
+}
+
+#[test]
+fn the_root_goes_with_the_ground_under_the_character() {
+    let rig = builtin();
+    let carrier = match RootMotion::Root.carrier(&rig) {
+        RootCarrier::Node(node) => Target::Node(node),
+        _ => Target::NewRoot,
+    };
+    let walk = "[[walk]]\nstart = 0.3\nspeed = 0.5\n[[walk]]\nstart = 5.5\nspeed = 0.0\n";
+    let grounds = [
+        ("flat", "", 0.0),
+        ("up", "[ground]\nkind = \"slope\"\nangle = 10.0\n", 0.0),
+        ("down", "[ground]\nkind = \"slope\"\nangle = -10.0\n", 0.0),
+        ("stairs", "[ground]\nkind = \"stairs\"\nrise = 0.17\ntread = 0.3\ncount = 4\n", 0.68),
+    ];
+    for (name, ground, top) in grounds {
+        let baked = baked(&rig, &scenario(&format!("root {name}"), 9.0, &format!("{ground}{walk}")));
+        let terrain = &baked.performance.timeline.terrain;
+        let channel = baked.clip.channels.iter().find_map(|channel| match &channel.values {
+            KeyValues::Translation(keys) if channel.target == carrier => Some(keys),
+            _ => None,
+        });
+        let keys: Vec<DVec3> =
+            channel.expect("the root travels").iter().map(|key| DVec3::from(key.map(f64::from))).collect();
+        let height = |key: &DVec3| terrain.spot(glam::DVec2::new(key.x, key.z)).height;
+        let off = keys.iter().map(|key| (key.y - height(key)).abs()).fold(0.0, f64::max);
+        let end = keys[keys.len() - 1];
+        println!("{name}: the root ends at {end}, at most {:.1} cm off the ground under it", 100.0 * off);
+        match name {
+            "flat" => assert!(keys.iter().all(|key| key.y == 0.0), "{name}"),
+            "stairs" => assert!((end.y - top).abs() < 1e-3 && off < 0.17, "{name}: {end}, {off}"),
+            // The ground is that between the ankles: the root is ahead of it by as much as the hips are.
+            _ => assert!(off < 0.03 && end.y.abs() > 0.3, "{name}: {end}, {off}"),
+        }
     }
 }

@@ -3,6 +3,7 @@
 //! A sole is stiff: on rolling ground it stands on the plane that lies best under it, on stairs on one tread, out of the
 //! riser before or behind it.
 
+use super::perform::Performance;
 use crate::maths::curve::smooth3;
 use crate::model::scenario::GroundKind;
 use crate::model::{Body, FootShape, Side, Terrain};
@@ -74,11 +75,35 @@ fn sole<'a>(foot: &'a FootShape, plant: &Plant) -> impl Iterator<Item = DVec2> +
     })
 }
 
+/// m, how high the ground is under the body of a performance, an entry a tick: between its feet, on stairs as on a ramp.
+pub fn heights(performance: &Performance) -> Vec<f64> {
+    let Performance { timeline, trace, .. } = performance;
+    if timeline.terrain.is_flat() {
+        return Vec::new();
+    }
+    let steps: Vec<Step> = trace.steps.iter().copied().chain(trace.aloft.filter(|_| trace.lost.is_none())).collect();
+    let (start, steps) = grounded(&timeline.body, &timeline.terrain, &trace.start, &steps);
+    let run = (timeline.dt, timeline.com.len());
+    carried(&timeline.body, &timeline.terrain, &start, &steps, run, 0.0)
+}
+
 /// m, how much higher than on level ground the feet carry the body, an entry a tick: the mean of both ankles, smooth in time.
 pub fn bases(body: &Body, terrain: &Terrain, start: &[Plant; 2], steps: &[Step], dt: f64, count: usize) -> Vec<f64> {
     if terrain.is_flat() {
         return vec![0.0; count];
     }
+    carried(body, terrain, start, steps, (dt, count), LOWER)
+}
+
+/// The same; `lower`: how far the lower foot counts for more.
+fn carried(
+    body: &Body,
+    terrain: &Terrain,
+    start: &[Plant; 2],
+    steps: &[Step],
+    (dt, count): (f64, usize),
+    lower: f64,
+) -> Vec<f64> {
     let height = |side: Side, time: f64| {
         let foot = &body.feet[side as usize];
         let turn = terrain.turn(time);
@@ -91,7 +116,7 @@ pub fn bases(body: &Body, terrain: &Terrain, start: &[Plant; 2], steps: &[Step],
     };
     let carried = |time: f64| {
         let [left, right] = Side::BOTH.map(|side| height(side, time));
-        0.5 * (left + right) - 0.5 * LOWER * (left - right).abs()
+        0.5 * (left + right) - 0.5 * lower * (left - right).abs()
     };
     let raw: Vec<f64> = (0..count).map(|index| carried(index as f64 * dt)).collect();
     let reach = (3.0 * SMOOTHING / dt).ceil() as isize;
