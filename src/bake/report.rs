@@ -6,12 +6,14 @@
 use super::contacts::{self, FootContact};
 use super::perform::Performance;
 use super::root_motion::RootMotion;
+use crate::maths::pendulum::GRAVITY;
 use crate::measure::{Findings, Frame, KnownPush, Motion, PushPoint, Setting, measure_in};
 use crate::model::report::{Assist, BodyReport, Contact, Disturbance, Event, Outcome, Plausibility};
 use crate::model::scenario::{GroundKind, Scenario};
-use crate::model::{Body, BodyPose, Clip, ClipReport, Side};
+use crate::model::{Body, BodyPose, Clip, ClipReport, Role, Side};
 use crate::rig::Rig;
 use crate::stepper::footing::STAIR_STEP;
+use glam::DVec3;
 
 /// Samples a frame (DESIGN, "Measures").
 const PER_FRAME: usize = 4;
@@ -190,7 +192,29 @@ fn disturbances(input: &ReportInput) -> Vec<Disturbance> {
                 },
             )
         })
+        .chain(weights(input))
         .collect()
+}
+
+/// What each hand carries: half of the mean weight of a box while it is held.
+fn weights(input: &ReportInput) -> Vec<Disturbance> {
+    let rotation = input.rig.document_from_scenario.rotation;
+    let duration = input.clip.duration;
+    let mut list = Vec::new();
+    for load in &input.performance.timeline.loads {
+        let [start, end] = [load.span[0].max(0.0), load.span[1].min(duration)];
+        let Some(mass) = load.mean_mass(start, end) else { continue };
+        for hand in [Role::LeftHand, Role::RightHand] {
+            list.push(Disturbance {
+                kind: "carry".into(),
+                start,
+                end,
+                force: (rotation * DVec3::NEG_Y * (0.5 * mass * GRAVITY)).to_array(),
+                bone: hand.name().into(),
+            });
+        }
+    }
+    list
 }
 
 fn warnings(input: &ReportInput, outcome: Outcome) -> Vec<String> {
