@@ -15,7 +15,7 @@ use surefoot::measure::percentile;
 use surefoot::model::report::Outcome;
 use surefoot::model::scenario::Scenario;
 use surefoot::model::scenario_text;
-use surefoot::model::{KeyValues, Target};
+use surefoot::model::{KeyValues, Role, Target};
 use surefoot::rig::animate::RootCarrier;
 use surefoot::rig::mannequin::BUILTIN;
 use surefoot::rig::{Rig, load_bytes};
@@ -281,4 +281,29 @@ fn the_root_goes_with_the_ground_under_the_character() {
             _ => assert!(off < 0.03 && end.y.abs() > 0.3, "{name}: {end}, {off}"),
         }
     }
+}
+
+#[test]
+fn the_trunk_of_a_walk_leans_into_the_slope() {
+    let rig = builtin();
+    let walk = "[[walk]]\nstart = 0.3\nspeed = 1.0\n";
+    let lean = |degrees: f64| {
+        let ground = if degrees == 0.0 { String::new() } else { slope(degrees, "") };
+        let baked = baked(&rig, &scenario("lean", 6.0, &format!("{ground}{walk}")));
+        let body = &baked.performance.timeline.body;
+        let [low, high] = [Role::Hips, Role::Neck].map(|role| body.joint(role).expect("the built-in rig has all"));
+        let mut sampler = rig.sampler(&baked.clip);
+        let leans = (75..180).map(|frame| {
+            let positions = sampler.sample(f64::from(frame) / 30.0).positions;
+            let up = positions[high] - positions[low];
+            up.z.atan2(up.y)
+        });
+        (leans.sum::<f64>() / 105.0, baked.report.plausibility.zmp_inside)
+    };
+    let (level, _) = lean(0.0);
+    let [(up, zmp_up), (down, zmp_down)] = [lean(10.0), lean(-10.0)];
+    let more = [up - level, down - level].map(f64::to_degrees);
+    println!("10 degrees up: {:.1} degrees more, down: {:.1}; ZMP inside {zmp_up:.3} {zmp_down:.3}", more[0], more[1]);
+    assert!((5.7..8.6).contains(&more[0]) && (-4.0..0.5).contains(&more[1]), "{more:?}");
+    assert!(zmp_up > 0.98 && zmp_down > 0.98, "{zmp_up} {zmp_down}");
 }

@@ -15,9 +15,9 @@ use std::f64::consts::TAU;
 const ARM_SWING: f64 = 0.34;
 /// rad of the pelvis likewise.
 const PELVIS_TURN: f64 = 0.14;
-/// Of the ground's grade (rad) the trunk leans into it, up and down; people lean forward by 6 to 8 degrees more at 10
-/// degrees up and stand about upright going down.
-const INTO_SLOPE: [f64; 2] = [0.75, 0.15];
+/// Of the ground's grade (rad) the chest leans into it, up and down. The line from hips to neck, that has less of it, then
+/// leans forward by 6 to 8 degrees more at 10 degrees up, as people's does, and is about upright going down.
+const INTO_SLOPE: [f64; 2] = [1.0, 0.15];
 /// rad, about what the grade of stairs comes to.
 const STEEPEST: f64 = 0.35;
 /// m/s (reference body), from which on it is a walk and no longer a shuffle.
@@ -160,8 +160,8 @@ mod tests {
             (0..400).map(|_| stride.tick(&senses, &Physique::REFERENCE, 0.01).lean).fold(0.0, |_, lean| lean)
         };
         let more = |degrees: f64| leaning(degrees, 1.2) - leaning(0.0, 1.2);
-        assert!((0.1..0.15).contains(&more(10.0)), "{}", more(10.0));
+        assert!((0.14..0.18).contains(&more(10.0)), "{}", more(10.0));
         assert!((-0.05..-0.01).contains(&more(-10.0)), "{}", more(-10.0));
-        assert!(more(45.0) < 0.3 && leaning(10.0, 0.0) == 0.0, "{}", more(45.0));
+        assert!(more(45.0) < 0.36 && leaning(10.0, 0.0) == 0.0, "{}", more(45.0));
     }
 }
