@@ -7,9 +7,10 @@ use super::carried::{self, Carried};
 use super::contacts::{self, FootContact};
 use super::throws::{self, Ball};
 use super::timeline::Timeline;
-use super::{BakeError, balance, feet, footing, knees, reach};
+use super::{BakeError, ankles, balance, feet, footing, knees, reach};
 use crate::maths::curve::smooth3;
 use crate::maths::seed::Seed;
+use crate::measure::joints::Ankles;
 use crate::measure::{Frame, KnownPush, PushPoint};
 use crate::model::scenario::{Character, Direction, Feet, GroundKind, Scenario};
 use crate::model::{Body, Role, Side, Terrain};
@@ -100,6 +101,8 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
     // What the end cuts off is flown as far as it goes; who falls does not land.
     let aloft = trace.aloft.filter(|_| trace.lost.is_none());
     let steps: Vec<Step> = trace.steps.iter().copied().chain(aloft).collect();
+    let cop: Vec<DVec2> = ticks.iter().map(|tick| tick.cop).collect();
+    let steps = footing::sooner(&steps, &physique, &cop, trace.dt, scale);
     let (start, steps) = footing::grounded(body, &terrain, &trace.start, &steps);
     let bases = footing::bases(body, &terrain, &start, &steps, trace.dt, count);
     let height = |index: usize| {
@@ -125,8 +128,8 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         loads,
     };
     let frame = Frame::of(&timeline.terrain);
-    let cop: Vec<DVec2> = ticks.iter().map(|tick| tick.cop).collect();
     let mut held = contacts::held(&timeline.feet.contacts(timeline.duration()), frame);
+    let gauge = Ankles::of(body);
     let mut zmp_before_pass = Vec::new();
     for pass in 0..PASSES {
         let solved = timeline.solve_all();
@@ -135,6 +138,9 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
             let Timeline { body, anatomy, feet, dt, .. } = &mut timeline;
             feet.ease_ankles(body, anatomy, &solved, &cop, *dt);
             held = contacts::held(&feet.contacts((count - 1) as f64 * *dt), frame);
+        }
+        if pass > 0 {
+            ankles::ease(&mut timeline.feet, &gauge, &solved, timeline.dt, scale);
         }
         knees::even_knees(&mut timeline, &solved, scale);
         if pass > 0 {

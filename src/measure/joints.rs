@@ -14,6 +14,8 @@ use glam::{DQuat, DVec2, DVec3, dvec3};
 
 /// rad, beyond a bound that is not counted.
 pub const LIMIT_TOLERANCE: f64 = 1.0 * DEGREE;
+/// Degrees, an ankle's flexion and inversion.
+const ANKLE: [[f64; 2]; 2] = [[-50.0, 30.0], [-20.0, 30.0]];
 /// rad, the least step that can be a pop.
 const POP_LEAST: f64 = 4.0 * DEGREE;
 /// How much larger than its neighbours' a step must be to be one.
@@ -101,6 +103,43 @@ pub fn angles(body: &Body, pose: &BodyPose) -> Vec<Angle> {
     let mut out = Vec::new();
     Neutral::of(body).angles(body, pose, &mut out);
     out
+}
+
+/// Reads the ankle angles of many poses of one body.
+pub struct Ankles {
+    limbs: [Option<(Limb, usize, usize)>; 2], // with the joints of shank and foot
+    ranges: [[[f64; 2]; 2]; 2],               // side, then flexion and inversion
+}
+
+impl Ankles {
+    /// Of a body.
+    pub fn of(body: &Body) -> Ankles {
+        let limbs = Side::BOTH.map(|side| {
+            let limb = Limb::of(body, side, false)?;
+            let (shank, foot) = limb.joints[1].zip(limb.joints[2])?;
+            Some((limb, shank, foot))
+        });
+        let mut ankles = Ankles { limbs, ranges: [ANKLE.map(|range| range.map(f64::to_radians)); 2] };
+        let rest = BodyPose::rest(body);
+        for side in Side::BOTH {
+            let Some(angles) = ankles.at(&rest, side) else { continue };
+            for (range, angle) in ankles.ranges[side as usize].iter_mut().zip(angles) {
+                *range = [range[0].min(angle), range[1].max(angle)];
+            }
+        }
+        ankles
+    }
+
+    /// rad, flexion and inversion of one foot.
+    pub fn at(&self, pose: &BodyPose, side: Side) -> Option<[f64; 2]> {
+        let (limb, shank, foot) = self.limbs[side as usize].as_ref()?;
+        Some(limb.ankle(pose.turns[*shank], pose.turns[*foot]))
+    }
+
+    /// rad, least and greatest, of flexion and inversion.
+    pub fn ranges(&self, side: Side) -> [[f64; 2]; 2] {
+        self.ranges[side as usize]
+    }
 }
 
 /// Frame to frame, each joint against its parent.
@@ -233,12 +272,9 @@ impl Neutral {
                 add(end_role, "flexion", -out_sign * swing.z, -70.0, 75.0);
                 add(end_role, "deviation", swing.x, -20.0, 35.0);
             } else {
-                // The foot is neutral where it is flat under an upright shank.
-                let relative = (lower_turn * limb.rest[1]).inverse() * pose.turns[end] * limb.level[0];
-                let (swing, twist) = swing_twist(relative, DVec3::Y);
-                let forward = DQuat::from_rotation_y(twist) * limb.forward;
-                add(end_role, "flexion", swing.dot(forward.cross(DVec3::Y)), -50.0, 30.0);
-                add(end_role, "inversion", -out_sign * swing.dot(forward), -20.0, 30.0);
+                let [flexion, inversion] = limb.ankle(lower_turn, pose.turns[end]);
+                add(end_role, "flexion", flexion, ANKLE[0][0], ANKLE[0][1]);
+                add(end_role, "inversion", inversion, ANKLE[1][0], ANKLE[1][1]);
             }
             if let Some(toes) = limb.joints[3] {
                 let foot = pose.turns[end] * limb.level[0];
@@ -275,6 +311,14 @@ impl Limb {
         let bent = shown.length() > (15.0 * DEGREE).sin() && shown.dot(assumed) > 0.5 * shown.length();
         let hinge = if bent { shown.normalize() } else { assumed };
         Some(Limb { side, arm, joints, rest, hinge, along: [upper, lower], forward, level })
+    }
+
+    /// Flexion and inversion of a foot against its shank; neutral where it is flat under an upright one.
+    fn ankle(&self, shank: DQuat, foot: DQuat) -> [f64; 2] {
+        let relative = (shank * self.rest[1]).inverse() * foot * self.level[0];
+        let (swing, twist) = swing_twist(relative, DVec3::Y);
+        let forward = DQuat::from_rotation_y(twist) * self.forward;
+        [swing.dot(forward.cross(DVec3::Y)), -self.side.sign() * swing.dot(forward)]
     }
 }
 

@@ -1,0 +1,106 @@
+//! Ankles within their range: what a foot turns beside its curve where its contact leaves it free to.
+//!
+//! A foot's curve knows the ground and not the shank above it. In the air a foot turns as its ankle likes; on its ball or
+//! heel it rolls a little; flat it does not. So pitch and roll beside the curve are fitted by the least acceleration that keeps flexion and
+//! inversion within range and the contact as it is. Scenario space, radians, seconds.
+
+use super::feet::{Extra, FootCurves};
+use crate::maths::banded::BandedLeastSquares;
+use crate::maths::knob;
+use crate::measure::joints::Ankles;
+use crate::model::Side;
+use crate::whole_body::solve::Solved;
+
+/// s, over which the fit slows the turn down, and over which it rounds it (for a centre of mass at 0.96 m).
+const SLOW: f64 = 0.05;
+/// s.
+const EVEN: f64 = 0.035;
+/// rad, by which it stays inside of the range.
+const MARGIN: f64 = 0.5 * std::f64::consts::PI / 180.0;
+/// Weight of a bound of the ankle, against no turn.
+const HOLD: f64 = 3e4;
+/// The same of a bound of the contact.
+const GROUND: f64 = 1e9;
+/// Rounds of the one-sided penalty.
+const ROUNDS: usize = 12;
+
+/// Fits the turns of both feet afresh to the poses that the present ones gave, an entry every `dt` s. `scale`: times relative to the reference body.
+pub fn ease(feet: &mut FootCurves, ankles: &Ankles, solved: &[Solved], dt: f64, scale: f64) {
+    for side in Side::BOTH {
+        let ranges = ankles.ranges(side);
+        // A foot that turns its heel up flexes less; one that rolls leftwards everts on the left side, inverts on the right.
+        let signs = [-1.0, -side.sign()];
+        let present: Vec<[f64; 2]> = (0..solved.len()).map(|index| feet.extra(side).at(index as f64 * dt)).collect();
+        let rooms: Vec<[[f64; 2]; 2]> = (0..solved.len()).map(|index| feet.room(side, index as f64 * dt, dt)).collect();
+        let turns = [0, 1].map(|axis| {
+            let bounds: Vec<Bound> = (0..solved.len())
+                .map(|index| {
+                    let room = rooms[index][axis];
+                    let Some(angles) = ankles.at(&solved[index].pose, side) else {
+                        return Bound { room, wanted: room };
+                    };
+                    let bare = present[index][axis] - signs[axis] * angles[axis];
+                    let ends = ranges[axis].map(|end| bare + signs[axis] * end);
+                    let (low, high) = (ends[0].min(ends[1]) + MARGIN, ends[0].max(ends[1]) - MARGIN);
+                    Bound { room, wanted: [low.clamp(room[0], room[1]), high.clamp(room[0], room[1])] }
+                })
+                .collect();
+            fitted(&bounds, scale / dt)
+        });
+        *feet.extra(side) = Extra { dt, turns };
+    }
+}
+
+/// What is possible at one entry, and what the ankle wants of it: least and greatest. rad.
+#[derive(Clone, Copy, Debug)]
+struct Bound {
+    room: [f64; 2],
+    wanted: [f64; 2],
+}
+
+/// The turns. `per`: entries a second, of the body's own time.
+fn fitted(bounds: &[Bound], per: f64) -> Vec<f64> {
+    let count = bounds.len();
+    let mut turns = vec![0.0; count];
+    // Which bound each entry is held to: the ankle's or the contact's, lower or upper.
+    let mut held: Vec<Option<(f64, f64)>> = vec![None; count];
+    for _ in 0..ROUNDS {
+        let mut changed = false;
+        for (index, bound) in bounds.iter().enumerate() {
+            let turn: f64 = turns[index];
+            let to = |end: f64, edge: f64| (end, if end == edge { GROUND } else { HOLD });
+            let next = if bound.room[0] == bound.room[1] {
+                Some((bound.room[0], GROUND))
+            } else if turn < bound.wanted[0] - 1e-9
+                || (held[index].is_some_and(|held| held.0 == bound.wanted[0]) && turn < bound.wanted[0] + 1e-9)
+            {
+                Some(to(bound.wanted[0], bound.room[0]))
+            } else if turn > bound.wanted[1] + 1e-9 {
+                Some(to(bound.wanted[1], bound.room[1]))
+            } else {
+                None
+            };
+            changed |= next != held[index];
+            held[index] = next;
+        }
+        if !changed {
+            break;
+        }
+        let (slow, even) = (knob("ASLOW", SLOW), knob("AEVEN", EVEN));
+        let mut system = BandedLeastSquares::new(count, 2);
+        for index in 0..count {
+            system.equation(index, &[1.0], 0.0, 1.0);
+            if index + 1 < count {
+                system.equation(index, &[-1.0, 1.0], 0.0, (slow * per).powi(2));
+            }
+            if index + 2 < count {
+                system.equation(index, &[1.0, -2.0, 1.0], 0.0, (even * per).powi(4));
+            }
+            if let Some((end, weight)) = held[index] {
+                system.equation(index, &[1.0], end, weight);
+            }
+        }
+        turns = system.solve();
+    }
+    turns.iter().zip(bounds).map(|(turn, bound)| turn.clamp(bound.room[0], bound.room[1])).collect()
+}
