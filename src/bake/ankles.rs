@@ -5,9 +5,10 @@
 //! inversion within range and the contact as it is. Scenario space, radians, seconds.
 
 use super::feet::{Extra, FootCurves};
+use super::timeline::Timeline;
 use crate::maths::banded::BandedLeastSquares;
 use crate::maths::knob;
-use crate::measure::joints::Ankles;
+use crate::measure::joints::LegAngles;
 use crate::model::Side;
 use crate::whole_body::solve::Solved;
 
@@ -25,9 +26,9 @@ const GROUND: f64 = 1e9;
 const ROUNDS: usize = 12;
 
 /// Fits the turns of both feet afresh to the poses that the present ones gave, an entry every `dt` s. `scale`: times relative to the reference body.
-pub fn ease(feet: &mut FootCurves, ankles: &Ankles, solved: &[Solved], dt: f64, scale: f64) {
+pub fn ease(feet: &mut FootCurves, legs: &LegAngles, solved: &[Solved], dt: f64, scale: f64) {
     for side in Side::BOTH {
-        let ranges = ankles.ranges(side);
+        let ranges = legs.ranges(side);
         // A foot that turns its heel up flexes less; one that rolls leftwards everts on the left side, inverts on the right.
         let signs = [-1.0, -side.sign()];
         let present: Vec<[f64; 2]> = (0..solved.len()).map(|index| feet.extra(side).at(index as f64 * dt)).collect();
@@ -36,11 +37,11 @@ pub fn ease(feet: &mut FootCurves, ankles: &Ankles, solved: &[Solved], dt: f64, 
             let bounds: Vec<Bound> = (0..solved.len())
                 .map(|index| {
                     let room = rooms[index][axis];
-                    let Some(angles) = ankles.at(&solved[index].pose, side) else {
+                    let Some(angles) = legs.at(&solved[index].pose, side) else {
                         return Bound { room, wanted: room };
                     };
-                    let bare = present[index][axis] - signs[axis] * angles[axis];
-                    let ends = ranges[axis].map(|end| bare + signs[axis] * end);
+                    let bare = present[index][axis] - signs[axis] * angles[2 + axis];
+                    let ends = ranges[2 + axis].map(|end| bare + signs[axis] * end);
                     let (low, high) = (ends[0].min(ends[1]) + MARGIN, ends[0].max(ends[1]) - MARGIN);
                     Bound { room, wanted: [low.clamp(room[0], room[1]), high.clamp(room[0], room[1])] }
                 })
@@ -49,6 +50,39 @@ pub fn ease(feet: &mut FootCurves, ankles: &Ankles, solved: &[Solved], dt: f64, 
         });
         *feet.extra(side) = Extra { dt, turns };
     }
+}
+
+/// rad, the most that the pelvis tilts and lists for a thigh.
+const PELVIS: [f64; 2] = [10.0 * std::f64::consts::PI / 180.0, 7.0 * std::f64::consts::PI / 180.0];
+/// How much slower than a foot the pelvis turns.
+const PELVIS_SLOWER: f64 = 1.6;
+
+/// Fits the tilt and the list of the pelvis that keep both hips within range.
+pub fn ease_hips(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], scale: f64) {
+    let dt = timeline.dt;
+    let first = (timeline.still_until / dt).round() as usize;
+    let turns = [0, 1].map(|axis| {
+        let bounds: Vec<Bound> = (0..solved.len())
+            .map(|index| {
+                let most = if index <= first + 1 || index + 3 > solved.len() { 0.0 } else { PELVIS[axis] };
+                let room = [-most, most];
+                let present = timeline.pelvis[axis].get(index).copied().unwrap_or(0.0);
+                let mut wanted = [f64::NEG_INFINITY, f64::INFINITY];
+                for side in Side::BOTH {
+                    let Some(angles) = legs.at(&solved[index].pose, side) else { continue };
+                    // Tilted forwards both hips flex; listed to the right the left leg is adducted, the right abducted.
+                    let sign = if axis == 0 { 1.0 } else { -side.sign() };
+                    let bare = present - sign * angles[axis];
+                    let ends = legs.ranges(side)[axis].map(|end| bare + sign * end);
+                    wanted[0] = wanted[0].max(ends[0].min(ends[1]) + MARGIN);
+                    wanted[1] = wanted[1].min(ends[0].max(ends[1]) - MARGIN);
+                }
+                Bound { room, wanted: wanted.map(|end| end.clamp(room[0], room[1])) }
+            })
+            .collect();
+        fitted(&bounds, PELVIS_SLOWER * scale / dt)
+    });
+    timeline.pelvis = turns;
 }
 
 /// What is possible at one entry, and what the ankle wants of it: least and greatest. rad.

@@ -17,7 +17,7 @@ const LOWER: f64 = 0.7;
 const RISER_GAP: f64 = 0.01;
 
 /// Part of the leg by which the pressure may be beside the other foot's sole for the trailing one to leave.
-const SLACK: f64 = 0.08;
+const SLACK: f64 = 0.03;
 /// s, least time that both feet are down.
 const LEAST_DOUBLE: f64 = 0.03;
 

@@ -10,7 +10,7 @@ use super::timeline::Timeline;
 use super::{BakeError, ankles, balance, feet, footing, knees, reach};
 use crate::maths::curve::smooth3;
 use crate::maths::seed::Seed;
-use crate::measure::joints::Ankles;
+use crate::measure::joints::LegAngles;
 use crate::measure::{Frame, KnownPush, PushPoint};
 use crate::model::scenario::{Character, Direction, Feet, GroundKind, Scenario};
 use crate::model::{Body, Role, Side, Terrain};
@@ -121,6 +121,7 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         lowering: vec![0.0; count],
         walking: walking(ticks, trace.dt, scale),
         bends: [Vec::new(), Vec::new()],
+        pelvis: [Vec::new(), Vec::new()],
         upper: upper_body(ticks, trace.dt, (&physique, &script.physiques), seed, scenario),
         feet: feet::FootCurves::new(body, &physique, &start, &steps, still_until, scale, &terrain),
         terrain,
@@ -129,7 +130,7 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
     };
     let frame = Frame::of(&timeline.terrain);
     let mut held = contacts::held(&timeline.feet.contacts(timeline.duration()), frame);
-    let gauge = Ankles::of(body);
+    let gauge = LegAngles::of(body);
     let mut zmp_before_pass = Vec::new();
     for pass in 0..PASSES {
         let solved = timeline.solve_all();
@@ -140,6 +141,7 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
             held = contacts::held(&feet.contacts((count - 1) as f64 * *dt), frame);
         }
         if pass > 0 {
+            ankles::ease_hips(&mut timeline, &gauge, &solved, scale);
             ankles::ease(&mut timeline.feet, &gauge, &solved, timeline.dt, scale);
         }
         knees::even_knees(&mut timeline, &solved, scale);

@@ -14,6 +14,8 @@ use glam::{DQuat, DVec2, DVec3, dvec3};
 
 /// rad, beyond a bound that is not counted.
 pub const LIMIT_TOLERANCE: f64 = 1.0 * DEGREE;
+/// Degrees, a hip's flexion and abduction.
+const HIP: [[f64; 2]; 2] = [[-30.0, 125.0], [-30.0, 45.0]];
 /// Degrees, an ankle's flexion and inversion.
 const ANKLE: [[f64; 2]; 2] = [[-50.0, 30.0], [-20.0, 30.0]];
 /// rad, the least step that can be a pop.
@@ -105,39 +107,39 @@ pub fn angles(body: &Body, pose: &BodyPose) -> Vec<Angle> {
     out
 }
 
-/// Reads the ankle angles of many poses of one body.
-pub struct Ankles {
-    limbs: [Option<(Limb, usize, usize)>; 2], // with the joints of shank and foot
-    ranges: [[[f64; 2]; 2]; 2],               // side, then flexion and inversion
+/// Reads hips and ankles of many poses of one body.
+pub struct LegAngles {
+    neutral: Neutral,
+    ranges: [[[f64; 2]; 4]; 2], // by side
 }
 
-impl Ankles {
+impl LegAngles {
     /// Of a body.
-    pub fn of(body: &Body) -> Ankles {
-        let limbs = Side::BOTH.map(|side| {
-            let limb = Limb::of(body, side, false)?;
-            let (shank, foot) = limb.joints[1].zip(limb.joints[2])?;
-            Some((limb, shank, foot))
-        });
-        let mut ankles = Ankles { limbs, ranges: [ANKLE.map(|range| range.map(f64::to_radians)); 2] };
+    pub fn of(body: &Body) -> LegAngles {
+        let table = [HIP[0], HIP[1], ANKLE[0], ANKLE[1]].map(|range| range.map(f64::to_radians));
+        let mut legs = LegAngles { neutral: Neutral::of(body), ranges: [table; 2] };
         let rest = BodyPose::rest(body);
         for side in Side::BOTH {
-            let Some(angles) = ankles.at(&rest, side) else { continue };
-            for (range, angle) in ankles.ranges[side as usize].iter_mut().zip(angles) {
+            let Some(angles) = legs.at(&rest, side) else { continue };
+            for (range, angle) in legs.ranges[side as usize].iter_mut().zip(angles) {
                 *range = [range[0].min(angle), range[1].max(angle)];
             }
         }
-        ankles
+        legs
     }
 
-    /// rad, flexion and inversion of one foot.
-    pub fn at(&self, pose: &BodyPose, side: Side) -> Option<[f64; 2]> {
-        let (limb, shank, foot) = self.limbs[side as usize].as_ref()?;
-        Some(limb.ankle(pose.turns[*shank], pose.turns[*foot]))
+    /// rad: flexion and abduction of the hip, flexion and inversion of the ankle; `None` for a leg that is not whole.
+    pub fn at(&self, pose: &BodyPose, side: Side) -> Option<[f64; 4]> {
+        let limb = self.neutral.limbs.iter().find(|limb| !limb.arm && limb.side == side)?;
+        let (upper, shank, foot) = (limb.joints[0]?, limb.joints[1]?, limb.joints[2]?);
+        let pelvis = pose.turns[0] * self.neutral.upright.inverse();
+        let [flexion, abduction, _] = hip_angles(pelvis.inverse() * pose.turns[upper] * limb.rest[0], side.sign());
+        let [ankle, inversion] = limb.ankle(pose.turns[shank], pose.turns[foot]);
+        Some([flexion, abduction, ankle, inversion])
     }
 
-    /// rad, least and greatest, of flexion and inversion.
-    pub fn ranges(&self, side: Side) -> [[f64; 2]; 2] {
+    /// rad, least and greatest of each of the four.
+    pub fn ranges(&self, side: Side) -> [[f64; 2]; 4] {
         self.ranges[side as usize]
     }
 }
@@ -253,8 +255,8 @@ impl Neutral {
                 add(role, "rotation", -out_sign * twist, -80.0, 80.0);
             } else {
                 let [flexion, abduction, rotation] = hip_angles(pelvis.inverse() * upper_turn * limb.rest[0], out_sign);
-                add(role, "flexion", flexion, -30.0, 125.0);
-                add(role, "abduction", abduction, -30.0, 45.0);
+                add(role, "flexion", flexion, HIP[0][0], HIP[0][1]);
+                add(role, "abduction", abduction, HIP[1][0], HIP[1][1]);
                 add(role, "rotation", rotation, -45.0, 45.0);
             }
             let Some(lower) = limb.joints[1] else { continue };
