@@ -16,6 +16,8 @@ use crate::whole_body::solve::Solved;
 const SLOW: f64 = 0.05;
 /// s.
 const EVEN: f64 = 0.035;
+/// rad/s, how fast a contact may take the turn away.
+const FASTEST: f64 = 4.0;
 /// rad, by which it stays inside of the range.
 const MARGIN: f64 = 0.5 * std::f64::consts::PI / 180.0;
 /// Weight of a bound of the ankle, against no turn.
@@ -32,7 +34,23 @@ pub fn ease(feet: &mut FootCurves, legs: &LegAngles, solved: &[Solved], dt: f64,
         // A foot that turns its heel up flexes less; one that rolls leftwards everts on the left side, inverts on the right.
         let signs = [-1.0, -side.sign()];
         let present: Vec<[f64; 2]> = (0..solved.len()).map(|index| feet.extra(side).at(index as f64 * dt)).collect();
-        let rooms: Vec<[[f64; 2]; 2]> = (0..solved.len()).map(|index| feet.room(side, index as f64 * dt, dt)).collect();
+        let mut rooms: Vec<[[f64; 2]; 2]> =
+            (0..solved.len()).map(|index| feet.room(side, index as f64 * dt, dt)).collect();
+        // No foot snaps from what its ankle wants to what its contact does.
+        let step = knob("FASTEST", FASTEST) * dt / scale;
+        let narrow = |room: &mut [[f64; 2]; 2], beside: [[f64; 2]; 2]| {
+            for (room, beside) in room.iter_mut().zip(beside) {
+                *room = [room[0].max(beside[0] - step), room[1].min(beside[1] + step)];
+            }
+        };
+        for index in 1..rooms.len() {
+            let beside = rooms[index - 1];
+            narrow(&mut rooms[index], beside);
+        }
+        for index in (1..rooms.len()).rev() {
+            let beside = rooms[index];
+            narrow(&mut rooms[index - 1], beside);
+        }
         let turns = [0, 1].map(|axis| {
             let bounds: Vec<Bound> = (0..solved.len())
                 .map(|index| {
@@ -76,6 +94,10 @@ pub fn ease_hips(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], s
                     let ends = legs.ranges(side)[axis].map(|end| bare + sign * end);
                     wanted[0] = wanted[0].max(ends[0].min(ends[1]) + MARGIN);
                     wanted[1] = wanted[1].min(ends[0].max(ends[1]) - MARGIN);
+                }
+                if wanted[0] > wanted[1] {
+                    // What helps one hip harms the other.
+                    wanted = [0.5 * (wanted[0] + wanted[1]); 2];
                 }
                 Bound { room, wanted: wanted.map(|end| end.clamp(room[0], room[1])) }
             })

@@ -140,7 +140,7 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
             feet.ease_ankles(body, anatomy, &solved, &cop, *dt);
             held = contacts::held(&feet.contacts((count - 1) as f64 * *dt), frame);
         }
-        if pass > 0 {
+        if pass > 0 && (pass as f64) < crate::maths::knob("UNTIL", 99.0) {
             ankles::ease_hips(&mut timeline, &gauge, &solved, scale);
             ankles::ease(&mut timeline.feet, &gauge, &solved, timeline.dt, scale);
         }
