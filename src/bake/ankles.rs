@@ -1,13 +1,15 @@
-//! Ankles within their range: what a foot turns beside its curve where its contact leaves it free to.
+//! Ankles and hips within their ranges: what a foot turns beside its curve where its contact leaves it free to, and how far
+//! the pelvis goes along with a thigh.
 //!
 //! A foot's curve knows the ground and not the shank above it. In the air a foot turns as its ankle likes; on its ball or
-//! heel it rolls a little; flat it does not. So pitch and roll beside the curve are fitted by the least acceleration that keeps flexion and
-//! inversion within range and the contact as it is. Scenario space, radians, seconds.
+//! heel it rolls a little; flat it does not. So pitch and roll beside the curve are fitted by the least acceleration that
+//! keeps flexion and inversion within range and the contact as it is; tilt and list of the pelvis likewise. What a flat
+//! foot's ankle bends is not eased here: that is up to when heels rise (`feet`) and feet leave (`footing`).
+//! Scenario space, radians, seconds.
 
-use super::feet::{Extra, FootCurves};
+use super::feet::Extra;
 use super::timeline::Timeline;
 use crate::maths::banded::BandedLeastSquares;
-use crate::maths::knob;
 use crate::measure::joints::LegAngles;
 use crate::model::Side;
 use crate::whole_body::solve::Solved;
@@ -27,17 +29,21 @@ const GROUND: f64 = 1e9;
 /// Rounds of the one-sided penalty.
 const ROUNDS: usize = 12;
 
-/// Fits the turns of both feet afresh to the poses that the present ones gave, an entry every `dt` s. `scale`: times relative to the reference body.
-pub fn ease(feet: &mut FootCurves, legs: &LegAngles, solved: &[Solved], dt: f64, scale: f64) {
+/// Fits the turns of both feet afresh to the poses that the present ones gave. `scale`: times relative to the reference
+/// body. A walker's feet keep to their curves: turned like this, they pop more often than their ankles gain.
+pub fn ease(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], scale: f64) {
+    let Timeline { feet, walking, dt, .. } = timeline;
+    let dt = *dt;
     for side in Side::BOTH {
         let ranges = legs.ranges(side);
         // A foot that turns its heel up flexes less; one that rolls leftwards everts on the left side, inverts on the right.
         let signs = [-1.0, -side.sign()];
         let present: Vec<[f64; 2]> = (0..solved.len()).map(|index| feet.extra(side).at(index as f64 * dt)).collect();
-        let mut rooms: Vec<[[f64; 2]; 2]> =
-            (0..solved.len()).map(|index| feet.room(side, index as f64 * dt, dt)).collect();
+        let mut rooms: Vec<[[f64; 2]; 2]> = (0..solved.len())
+            .map(|index| if walking[index] > 0.0 { [[0.0; 2]; 2] } else { feet.room(side, index as f64 * dt, dt) })
+            .collect();
         // No foot snaps from what its ankle wants to what its contact does.
-        let step = knob("FASTEST", FASTEST) * dt / scale;
+        let step = FASTEST * dt / scale;
         let narrow = |room: &mut [[f64; 2]; 2], beside: [[f64; 2]; 2]| {
             for (room, beside) in room.iter_mut().zip(beside) {
                 *room = [room[0].max(beside[0] - step), room[1].min(beside[1] + step)];
@@ -82,7 +88,11 @@ pub fn ease_hips(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], s
     let turns = [0, 1].map(|axis| {
         let bounds: Vec<Bound> = (0..solved.len())
             .map(|index| {
-                let most = if index <= first + 1 || index + 3 > solved.len() { 0.0 } else { PELVIS[axis] };
+                let most = if timeline.walking[index] > 0.0 || index <= first + 1 || index + 3 > solved.len() {
+                    0.0
+                } else {
+                    PELVIS[axis]
+                };
                 let room = [-most, most];
                 let present = timeline.pelvis[axis].get(index).copied().unwrap_or(0.0);
                 let mut wanted = [f64::NEG_INFINITY, f64::INFINITY];
@@ -142,15 +152,14 @@ fn fitted(bounds: &[Bound], per: f64) -> Vec<f64> {
         if !changed {
             break;
         }
-        let (slow, even) = (knob("ASLOW", SLOW), knob("AEVEN", EVEN));
         let mut system = BandedLeastSquares::new(count, 2);
         for index in 0..count {
             system.equation(index, &[1.0], 0.0, 1.0);
             if index + 1 < count {
-                system.equation(index, &[-1.0, 1.0], 0.0, (slow * per).powi(2));
+                system.equation(index, &[-1.0, 1.0], 0.0, (SLOW * per).powi(2));
             }
             if index + 2 < count {
-                system.equation(index, &[1.0, -2.0, 1.0], 0.0, (even * per).powi(4));
+                system.equation(index, &[1.0, -2.0, 1.0], 0.0, (EVEN * per).powi(4));
             }
             if let Some((end, weight)) = held[index] {
                 system.equation(index, &[1.0], end, weight);
@@ -159,4 +168,31 @@ fn fitted(bounds: &[Bound], per: f64) -> Vec<f64> {
         turns = system.solve();
     }
     turns.iter().zip(bounds).map(|(turn, bound)| turn.clamp(bound.room[0], bound.room[1])).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Bound, fitted};
+
+    #[test]
+    fn a_foot_in_the_air_turns_as_its_ankle_asks_and_not_before_it_is_off_the_ground() {
+        // Flat but for 40 entries in the air, of which the ankle asks for 0.3 rad in the last three quarters.
+        let bound = |index: i32| match index {
+            30..70 => {
+                let far = 0.04 * f64::from((index - 29).min(70 - index));
+                let room = [-far, far];
+                Bound { room, wanted: [if index > 40 { 0.3_f64.min(far) } else { -far }, far] }
+            }
+            _ => Bound { room: [0.0; 2], wanted: [0.0; 2] },
+        };
+        let bounds: Vec<Bound> = (0..100).map(bound).collect();
+        let turns = fitted(&bounds, 100.0);
+        assert!(turns[..30].iter().chain(&turns[70..]).all(|turn| *turn == 0.0), "a flat foot turns");
+        assert!(turns[42..60].iter().all(|turn| *turn > 0.29), "short of what the ankle asks: {:?}", &turns[40..62]);
+        assert!(turns.iter().all(|turn| *turn < 0.40), "far beyond it");
+        let fastest = turns.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+        assert!(fastest < 0.06, "{fastest} rad in 10 ms");
+        let free = vec![Bound { room: [-0.5, 0.5], wanted: [-0.1, 0.2] }; 50];
+        assert!(fitted(&free, 100.0).iter().all(|turn| *turn == 0.0), "nothing asked, nothing done");
+    }
 }

@@ -23,8 +23,10 @@ const DORSIFLEXION: f64 = 26.0 * std::f64::consts::PI / 180.0;
 const WALKING_DORSIFLEXION: f64 = 13.0 * std::f64::consts::PI / 180.0;
 /// s, the longest that a foot stays on its ball after landing: longer, and the weight behind it has nothing to stand on.
 const LONGEST_SETTLE: f64 = 0.16;
-/// s, the same while the pressure is ahead.
+/// s, the same while the pressure is ahead of [`HEEL_FREE`].
 const FREE_SETTLE: f64 = 0.30;
+/// Part of the way from ankle to ball that the pressure must be past for a heel that landed last to stay up.
+const HEEL_FREE: f64 = 0.3;
 /// Part of the way from ankle to ball that the pressure must be past before the heel may rise early.
 const WEIGHT_AHEAD: f64 = 0.6;
 /// m, from which height on a step is one of stairs.
@@ -192,9 +194,7 @@ impl FootCurves {
                 let from_ankle = cop[index.min(cop.len() - 1)] - DVec2::new(ankle.x, ankle.z);
                 from_ankle.dot(DVec2::new(plant.yaw.sin(), plant.yaw.cos())) - WEIGHT_AHEAD * ball
             };
-            let heel_free = |index: usize, plant: &Plant| {
-                ahead(index, plant) > (crate::maths::knob("FREE", 0.3) - WEIGHT_AHEAD) * ball
-            };
+            let heel_free = |index: usize, plant: &Plant| ahead(index, plant) > (HEEL_FREE - WEIGHT_AHEAD) * ball;
             for number in 0..path.swings.len() {
                 let before = number
                     .checked_sub(1)
@@ -228,11 +228,8 @@ impl FootCurves {
                         if excess > 0.0 {
                             swing.strike = (swing.strike + 0.5 * excess).min(MOST_PITCH);
                             let longest = if heel_free(index, &swing.to) { FREE_SETTLE } else { LONGEST_SETTLE };
-                            swing.settle = swing.settle.max(
-                                (time - swing.land + crate::maths::knob("SETTLE", 0.06))
-                                    .min(after - swing.land)
-                                    .min(longest),
-                            );
+                            swing.settle =
+                                swing.settle.max((time - swing.land + 0.06).min(after - swing.land).min(longest));
                         }
                     }
                 }

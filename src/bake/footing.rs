@@ -42,7 +42,7 @@ pub fn sooner(steps: &[Step], physique: &Physique, cop: &[DVec2], dt: f64, scale
             let from = *cop - DVec2::new(other.to.ankle.x, other.to.ankle.z);
             let along = from.dot(ahead);
             let across = from.dot(DVec2::new(ahead.y, -ahead.x)).abs();
-            let slack = crate::maths::knob("SLACK", SLACK) * physique.leg_length;
+            let slack = SLACK * physique.leg_length;
             (physique.heel - slack..=physique.tip + slack).contains(&along) && across <= physique.half_width + slack
         };
         let least = (other.land + LEAST_DOUBLE * scale).min(step.lift);

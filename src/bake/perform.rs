@@ -24,6 +24,8 @@ use glam::{DVec2, DVec3};
 /// Passes of reach envelope and balance filter: measured, each still brings the ZMP home a little (nine of them:
 /// two thirds of the clips with 95 % inside, fourteen: three quarters).
 const PASSES: usize = 14;
+/// Passes in which feet and pelvis still turn for the joints' ranges: the filter settles after them.
+const EASE_PASSES: usize = 10;
 /// Passes in which the feet still adapt their roll to the ankles.
 const ROLL_PASSES: usize = 4;
 
@@ -140,9 +142,9 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
             feet.ease_ankles(body, anatomy, &solved, &cop, *dt);
             held = contacts::held(&feet.contacts((count - 1) as f64 * *dt), frame);
         }
-        if pass > 0 && (pass as f64) < crate::maths::knob("UNTIL", 99.0) {
+        if pass > 0 && pass < EASE_PASSES {
             ankles::ease_hips(&mut timeline, &gauge, &solved, scale);
-            ankles::ease(&mut timeline.feet, &gauge, &solved, timeline.dt, scale);
+            ankles::ease(&mut timeline, &gauge, &solved, scale);
         }
         knees::even_knees(&mut timeline, &solved, scale);
         if pass > 0 {

@@ -9,8 +9,3 @@ pub mod quat;
 pub mod seed;
 pub mod spring;
 pub mod two_bone_ik;
-
-/// TEMPORARY.
-pub fn knob(name: &str, default: f64) -> f64 {
-    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
-}

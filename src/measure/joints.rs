@@ -14,14 +14,10 @@ use glam::{DQuat, DVec2, DVec3, dvec3};
 
 /// rad, beyond a bound that is not counted.
 pub const LIMIT_TOLERANCE: f64 = 1.0 * DEGREE;
-/// Degrees, a hip's flexion and abduction.
-const HIP: [[f64; 2]; 2] = [[-30.0, 125.0], [-30.0, 45.0]];
-/// Degrees, an ankle's flexion and inversion.
-const ANKLE: [[f64; 2]; 2] = [[-50.0, 30.0], [-20.0, 30.0]];
-/// rad, the least step that can be a pop.
-const POP_LEAST: f64 = 4.0 * DEGREE;
-/// How much larger than its neighbours' a step must be to be one.
-const POP_FACTOR: f64 = 4.0;
+const HIP: [[f64; 2]; 2] = [[-30.0, 125.0], [-30.0, 45.0]]; // degrees, flexion and abduction
+const ANKLE: [[f64; 2]; 2] = [[-50.0, 30.0], [-20.0, 30.0]]; // degrees, flexion and inversion
+const POP_LEAST: f64 = 4.0 * DEGREE; // rad, the least step that can be a pop
+const POP_FACTOR: f64 = 4.0; // how much larger than its neighbours' a step must be to be one
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
 /// An angle of the body, of that sample.
@@ -184,7 +180,6 @@ struct Neutral {
     head: Option<usize>,
 }
 
-/// An arm or a leg.
 struct Limb {
     side: Side,
     arm: bool,
