@@ -153,7 +153,7 @@ fn fitted(bounds: &[Bound], per: f64) -> Vec<f64> {
             break;
         }
         let mut system = BandedLeastSquares::new(count, 2);
-        for index in 0..count {
+        for (index, held) in held.iter().enumerate() {
             system.equation(index, &[1.0], 0.0, 1.0);
             if index + 1 < count {
                 system.equation(index, &[-1.0, 1.0], 0.0, (SLOW * per).powi(2));
@@ -161,7 +161,7 @@ fn fitted(bounds: &[Bound], per: f64) -> Vec<f64> {
             if index + 2 < count {
                 system.equation(index, &[1.0, -2.0, 1.0], 0.0, (EVEN * per).powi(4));
             }
-            if let Some((end, weight)) = held[index] {
+            if let Some((end, weight)) = *held {
                 system.equation(index, &[1.0], end, weight);
             }
         }
