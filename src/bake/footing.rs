@@ -7,7 +7,7 @@ use super::perform::Performance;
 use crate::maths::curve::smooth3;
 use crate::model::scenario::GroundKind;
 use crate::model::{Body, FootShape, Side, Terrain};
-use crate::stepper::{Plant, Step};
+use crate::stepper::{Physique, Plant, Step, StepKind};
 use glam::{DMat3, DVec2, DVec3};
 
 /// s, standard deviation of the smoothing of the ground's height under the body.
@@ -17,11 +17,43 @@ const LOWER: f64 = 0.7;
 /// m, that a sole keeps from a riser.
 const RISER_GAP: f64 = 0.01;
 
+/// Part of the leg by which the pressure may be beside the other foot's sole for the trailing one to leave.
+const SLACK: f64 = 0.03;
+/// s, least time that both feet are down.
+const LEAST_DOUBLE: f64 = 0.03;
+
 /// The plants of a run on the ground.
 pub fn grounded(body: &Body, terrain: &Terrain, start: &[Plant; 2], steps: &[Step]) -> ([Plant; 2], Vec<Step>) {
     let on = |side: Side, plant: &Plant| plant_on(&body.feet[side as usize], terrain, plant);
     let steps = steps.iter().map(|step| Step { from: on(step.side, &step.from), to: on(step.side, &step.to), ..*step });
     (Side::BOTH.map(|side| on(side, &start[side as usize])), steps.collect())
+}
+
+/// The steps with each lift as soon as the pressure has gone over to the foot that landed last: what trails on after that
+/// carries nothing, and holds the body down and its ankles bent. Walkers keep their own time. `cop`: the pressure's place,
+/// (x, z), every `dt` s; `scale`: times relative to the reference body.
+pub fn sooner(steps: &[Step], physique: &Physique, cop: &[DVec2], dt: f64, scale: f64) -> Vec<Step> {
+    let mut sooner = steps.to_vec();
+    for (number, step) in steps.iter().enumerate() {
+        let others = steps[..number].iter().rev().find(|other| other.side != step.side && other.land <= step.lift);
+        let (Some(other), false) = (others, step.kind == StepKind::Walk) else { continue };
+        let ahead = DVec2::new(other.to.yaw.sin(), other.to.yaw.cos());
+        let carries = |time: f64| {
+            let Some(cop) = cop.get((time / dt).round() as usize) else { return true };
+            let from = *cop - DVec2::new(other.to.ankle.x, other.to.ankle.z);
+            let along = from.dot(ahead);
+            let across = from.dot(DVec2::new(ahead.y, -ahead.x)).abs();
+            let slack = SLACK * physique.leg_length;
+            (physique.heel - slack..=physique.tip + slack).contains(&along) && across <= physique.half_width + slack
+        };
+        let least = (other.land + LEAST_DOUBLE * scale).min(step.lift);
+        let mut lift = step.lift;
+        while lift - dt >= least && carries(lift - dt) {
+            lift -= dt;
+        }
+        sooner[number].lift = lift;
+    }
+    sooner
 }
 
 fn plant_on(foot: &FootShape, terrain: &Terrain, plant: &Plant) -> Plant {

@@ -3,6 +3,7 @@
 //! [`perform`] makes the motion on the body; [`keys`] turns it into keys on the rig's nodes; [`report`] reads the clip back
 //! as an engine would and says what it measured. Scenario space until the keys. No file is touched here.
 
+mod ankles;
 mod balance;
 pub mod carried;
 mod clearance;

@@ -7,9 +7,10 @@ use super::carried::{self, Carried};
 use super::contacts::{self, FootContact};
 use super::throws::{self, Ball};
 use super::timeline::Timeline;
-use super::{BakeError, balance, feet, footing, knees, reach};
+use super::{BakeError, ankles, balance, feet, footing, knees, reach};
 use crate::maths::curve::smooth3;
 use crate::maths::seed::Seed;
+use crate::measure::joints::LegAngles;
 use crate::measure::{Frame, KnownPush, PushPoint};
 use crate::model::scenario::{Character, Direction, Feet, GroundKind, Scenario};
 use crate::model::{Body, Role, Side, Terrain};
@@ -23,6 +24,8 @@ use glam::{DVec2, DVec3};
 /// Passes of reach envelope and balance filter: measured, each still brings the ZMP home a little (nine of them:
 /// two thirds of the clips with 95 % inside, fourteen: three quarters).
 const PASSES: usize = 14;
+/// Passes in which feet and pelvis still turn for the joints' ranges: the filter settles after them.
+const EASE_PASSES: usize = 10;
 /// Passes in which the feet still adapt their roll to the ankles.
 const ROLL_PASSES: usize = 4;
 
@@ -100,6 +103,8 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
     // What the end cuts off is flown as far as it goes; who falls does not land.
     let aloft = trace.aloft.filter(|_| trace.lost.is_none());
     let steps: Vec<Step> = trace.steps.iter().copied().chain(aloft).collect();
+    let cop: Vec<DVec2> = ticks.iter().map(|tick| tick.cop).collect();
+    let steps = footing::sooner(&steps, &physique, &cop, trace.dt, scale);
     let (start, steps) = footing::grounded(body, &terrain, &trace.start, &steps);
     let bases = footing::bases(body, &terrain, &start, &steps, trace.dt, count);
     let height = |index: usize| {
@@ -118,6 +123,7 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         lowering: vec![0.0; count],
         walking: walking(ticks, trace.dt, scale),
         bends: [Vec::new(), Vec::new()],
+        pelvis: [Vec::new(), Vec::new()],
         upper: upper_body(ticks, trace.dt, (&physique, &script.physiques), seed, scenario),
         feet: feet::FootCurves::new(body, &physique, &start, &steps, still_until, scale, &terrain),
         terrain,
@@ -125,8 +131,8 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
         loads,
     };
     let frame = Frame::of(&timeline.terrain);
-    let cop: Vec<DVec2> = ticks.iter().map(|tick| tick.cop).collect();
     let mut held = contacts::held(&timeline.feet.contacts(timeline.duration()), frame);
+    let gauge = LegAngles::of(body);
     let mut zmp_before_pass = Vec::new();
     for pass in 0..PASSES {
         let solved = timeline.solve_all();
@@ -135,6 +141,10 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
             let Timeline { body, anatomy, feet, dt, .. } = &mut timeline;
             feet.ease_ankles(body, anatomy, &solved, &cop, *dt);
             held = contacts::held(&feet.contacts((count - 1) as f64 * *dt), frame);
+        }
+        if pass > 0 && pass < EASE_PASSES {
+            ankles::ease_hips(&mut timeline, &gauge, &solved, scale);
+            ankles::ease(&mut timeline, &gauge, &solved, scale);
         }
         knees::even_knees(&mut timeline, &solved, scale);
         if pass > 0 {
