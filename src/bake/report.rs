@@ -125,6 +125,9 @@ fn told(rig: &Rig, contact: &FootContact, frame: Frame, slip_mm: f64) -> Contact
     }
 }
 
+/// s, between contacts that follow on one another.
+const SAME: f64 = 1e-4;
+
 /// `rest_from`: s, since when the character has been at rest at the end.
 fn events(performance: &Performance, rest_from: Option<f64>, duration: f64) -> Vec<Event> {
     let mut events = Vec::new();
@@ -138,9 +141,18 @@ fn events(performance: &Performance, rest_from: Option<f64>, duration: f64) -> V
         event(push.start, "push_start", None);
         event(push.end, "push_end", None);
     }
-    for step in &performance.trace.steps {
-        event(step.lift, "foot_up", Some(step.side));
-        event(step.land, "foot_down", Some(step.side));
+    // As the clip's feet go, which leave sooner than the simulated ones where nothing rests on them.
+    for side in Side::BOTH {
+        let own: Vec<_> = performance.contacts.iter().filter(|contact| contact.side == side).collect();
+        for (index, contact) in own.iter().enumerate() {
+            let follows = index.checked_sub(1).map(|before| contact.start - own[before].end);
+            if follows.is_some_and(|gap| gap > SAME) {
+                event(contact.start, "foot_down", Some(side));
+            }
+            if own.get(index + 1).map_or(duration, |next| next.start) - contact.end > SAME {
+                event(contact.end, "foot_up", Some(side));
+            }
+        }
     }
     if let Some(lost) = performance.lost {
         event(lost, "balance_lost", None);
