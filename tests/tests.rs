@@ -42,6 +42,8 @@ mod stances;
 mod stepper;
 /// Rigs and motions made by hand for the modules above.
 mod synthetic;
+/// The scenarios of walks.
+mod walk_grid;
 /// Walking: speeds, the paper's cases, pushes, turns, sizes.
 mod walking;
 /// Walks as clips, on rigs of several builds.

@@ -403,7 +403,7 @@ impl FootPath {
         let last = self.flat_ankle(&swing.to)
             + if swing.strike < 0.0 {
                 let rolled = DQuat::from_rotation_z(self.extra.at(swing.land)[1]);
-                level * self.heel + turned(&swing.to, swing.strike) * rolled * (self.pivot - self.heel)
+                level * self.heel + turned(&swing.to, swing.landing_pitch(time)) * rolled * (self.pivot - self.heel)
             } else {
                 level * self.pivot
             };

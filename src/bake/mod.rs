@@ -5,6 +5,7 @@
 
 mod ankles;
 mod balance;
+mod care;
 pub mod carried;
 mod clearance;
 pub mod contacts;

@@ -7,7 +7,7 @@ use super::carried::{self, Carried};
 use super::contacts::{self, FootContact};
 use super::throws::{self, Ball};
 use super::timeline::Timeline;
-use super::{BakeError, ankles, balance, feet, footing, knees, reach};
+use super::{BakeError, ankles, balance, care, feet, footing, knees, reach};
 use crate::maths::curve::smooth3;
 use crate::maths::seed::Seed;
 use crate::measure::joints::LegAngles;
@@ -23,9 +23,13 @@ use glam::{DVec2, DVec3};
 
 /// Passes of reach envelope and balance filter: measured, each still brings the ZMP home a little (nine of them:
 /// two thirds of the clips with 95 % inside, fourteen: three quarters).
-const PASSES: usize = 14;
+const PASSES: usize = 16;
 /// Passes in which feet and pelvis still turn for the joints' ranges: the filter settles after them.
 const EASE_PASSES: usize = 10;
+/// Passes until which recoveries take more care of sudden legs; walks do until the last but one.
+const CARE_PASSES: usize = 8;
+/// Damping of the first passes and of the last.
+const DAMPING: [f64; 2] = [0.002, 0.012];
 /// Passes in which the feet still adapt their roll to the ankles.
 const ROLL_PASSES: usize = 4;
 
@@ -134,9 +138,13 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
     let mut held = contacts::held(&timeline.feet.contacts(timeline.duration()), frame);
     let gauge = LegAngles::of(body);
     let mut zmp_before_pass = Vec::new();
+    let mut care = care::Care::new(count);
     for pass in 0..PASSES {
         let solved = timeline.solve_all();
-        reach::lower_into_reach(&mut timeline, &solved, scale);
+        if pass > ROLL_PASSES && pass < PASSES - 2 {
+            care.watch(&timeline, &solved, pass >= CARE_PASSES);
+        }
+        reach::lower_into_reach(&mut timeline, &solved, scale, &care, damping(pass));
         if pass > 0 && pass <= ROLL_PASSES {
             let Timeline { body, anatomy, feet, dt, .. } = &mut timeline;
             feet.ease_ankles(body, anatomy, &solved, &cop, *dt);
@@ -146,7 +154,7 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
             ankles::ease_hips(&mut timeline, &gauge, &solved, scale);
             ankles::ease(&mut timeline, &gauge, &solved, scale);
         }
-        knees::even_knees(&mut timeline, &solved, scale);
+        knees::even_knees(&mut timeline, &solved, scale, &care);
         if pass > 0 {
             let poses: Vec<_> = solved.into_iter().map(|solved| solved.pose).collect();
             zmp_before_pass.push(balance::pass(&mut timeline, &poses, &held, &pushes));
@@ -154,7 +162,7 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
     }
     let solved = timeline.solve_all();
     // The swinging legs' mass moves the hips: the bends stay, so that this lowering is the one that they need.
-    reach::lower_into_reach(&mut timeline, &solved, scale);
+    reach::lower_into_reach(&mut timeline, &solved, scale, &care, damping(PASSES));
     let mut lost = trace.lost;
     if lost.is_some()
         && let Some(held) = held_until(&timeline)
@@ -165,6 +173,12 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
     }
     let contacts = timeline.feet.contacts(timeline.duration());
     Ok(Performance { timeline, trace, lost, contacts, pushes, balls, physique, zmp_before_pass })
+}
+
+/// How much the lowering holds on to the last pass's: little while it finds its place, more as it settles.
+fn damping(pass: usize) -> f64 {
+    let settled = ((pass as f64 - ROLL_PASSES as f64) / 8.0).clamp(0.0, 1.0);
+    DAMPING[0] * (DAMPING[1] / DAMPING[0]).powf(settled)
 }
 
 /// s, when the first thing happens: a push, the ground's turn, hands that go for a box, or what the character means to do.
