@@ -85,6 +85,16 @@ const PELVIS_SLOWER: f64 = 1.6;
 pub fn ease_hips(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], scale: f64) {
     let dt = timeline.dt;
     let first = (timeline.still_until / dt).round() as usize;
+    // Who stands beyond a range (on legs of a quarter of their length) stands so: nothing is eased that nobody disturbs.
+    let standing = Side::BOTH.map(|side| {
+        let mut ranges = legs.ranges(side);
+        if let Some(angles) = solved.first().and_then(|first| legs.at(&first.pose, side)) {
+            for (range, angle) in ranges.iter_mut().zip(angles) {
+                *range = [range[0].min(angle - 2.0 * MARGIN), range[1].max(angle + 2.0 * MARGIN)];
+            }
+        }
+        ranges
+    });
     let turns = [0, 1].map(|axis| {
         let bounds: Vec<Bound> = (0..solved.len())
             .map(|index| {
@@ -101,7 +111,7 @@ pub fn ease_hips(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], s
                     // Tilted forwards both hips flex; listed to the right the left leg is adducted, the right abducted.
                     let sign = if axis == 0 { 1.0 } else { -side.sign() };
                     let bare = present - sign * angles[axis];
-                    let ends = legs.ranges(side)[axis].map(|end| bare + sign * end);
+                    let ends = standing[side as usize][axis].map(|end| bare + sign * end);
                     wanted[0] = wanted[0].max(ends[0].min(ends[1]) + MARGIN);
                     wanted[1] = wanted[1].min(ends[0].max(ends[1]) - MARGIN);
                 }
