@@ -10,7 +10,7 @@ use crate::model::{Body, BodyPose, Load, Side, Terrain};
 use crate::whole_body::reaction::{UPPER, UpperAngles, upper_turns};
 use crate::whole_body::solve::Solved;
 use crate::whole_body::{Anatomy, FootTarget, PoseTarget, Solver};
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 /// Everything that a pose is made of, over the run.
 #[derive(Clone, Debug)]
@@ -35,6 +35,8 @@ pub struct Timeline {
     pub walking: Vec<f64>,
     /// rad, bends of the knees, left and right; a leg in the air takes them, a planted one bends as it must. Empty: none does.
     pub bends: [Vec<f64>; 2],
+    /// rad, what the hips' range adds to the pelvis: forward tilt, and list to the right. Empty: nothing.
+    pub pelvis: [Vec<f64>; 2],
     /// Upper body and pelvis.
     pub upper: Vec<UpperAngles>,
     /// Both feet.
@@ -59,7 +61,7 @@ impl Timeline {
         self.shift.truncate(last + 1);
         self.lowering.truncate(last + 1);
         self.walking.truncate(last + 1);
-        self.bends.iter_mut().for_each(|bends| bends.truncate(last + 1));
+        self.bends.iter_mut().chain(&mut self.pelvis).for_each(|series| series.truncate(last + 1));
         self.upper.truncate(last + 1);
     }
 
@@ -103,6 +105,9 @@ impl Timeline {
             let free = !bends.is_empty() && self.feet.freedom(side, time) > 0.0;
             FootTarget { bend: free.then(|| sample(bends, self.dt, time)), ..self.feet.at(side, time) }
         });
+        let [tilt, list] = [0, 1]
+            .map(|axis| if self.pelvis[axis].is_empty() { 0.0 } else { sample(&self.pelvis[axis], self.dt, time) });
+        let pelvis = pelvis * DQuat::from_rotation_x(tilt) * DQuat::from_rotation_z(list);
         let target = PoseTarget { com, pelvis, chest, head, arms, feet, hold: None };
         match carried::hold(&self.carried, &self.loads, time) {
             Some(hold) => target.holding(hold),
