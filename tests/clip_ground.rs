@@ -9,12 +9,14 @@ use crate::export::{baked_path, json_of};
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 use serde_json::Value;
-use surefoot::bake::{BakeOptions, Baked, bake};
+use surefoot::bake::{BakeOptions, Baked, RootMotion, bake};
 use surefoot::measure::percentile;
 
 use surefoot::model::report::Outcome;
 use surefoot::model::scenario::Scenario;
 use surefoot::model::scenario_text;
+use surefoot::model::{KeyValues, Role, Target};
+use surefoot::rig::animate::RootCarrier;
 use surefoot::rig::mannequin::BUILTIN;
 use surefoot::rig::{Rig, load_bytes};
 
@@ -243,4 +245,65 @@ fn props_stand_after_the_sources_own_nodes_and_turn_as_the_ground_does() {
         let shift = |a: DVec3, b: DVec3| a.distance(b);
         assert!(shift(again.document_from_scenario.translation, rig.document_from_scenario.translation) < 1e-9);
     }
+}
+
+#[test]
+fn the_root_goes_with_the_ground_under_the_character() {
+    let rig = builtin();
+    let carrier = match RootMotion::Root.carrier(&rig) {
+        RootCarrier::Node(node) => Target::Node(node),
+        _ => Target::NewRoot,
+    };
+    let walk = "[[walk]]\nstart = 0.3\nspeed = 0.5\n[[walk]]\nstart = 5.5\nspeed = 0.0\n";
+    let grounds = [
+        ("flat", "", 0.0),
+        ("up", "[ground]\nkind = \"slope\"\nangle = 10.0\n", 0.0),
+        ("down", "[ground]\nkind = \"slope\"\nangle = -10.0\n", 0.0),
+        ("stairs", "[ground]\nkind = \"stairs\"\nrise = 0.17\ntread = 0.3\ncount = 4\n", 0.68),
+    ];
+    for (name, ground, top) in grounds {
+        let baked = baked(&rig, &scenario(&format!("root {name}"), 9.0, &format!("{ground}{walk}")));
+        let terrain = &baked.performance.timeline.terrain;
+        let channel = baked.clip.channels.iter().find_map(|channel| match &channel.values {
+            KeyValues::Translation(keys) if channel.target == carrier => Some(keys),
+            _ => None,
+        });
+        let keys: Vec<DVec3> =
+            channel.expect("the root travels").iter().map(|key| DVec3::from(key.map(f64::from))).collect();
+        let height = |key: &DVec3| terrain.spot(glam::DVec2::new(key.x, key.z)).height;
+        let off = keys.iter().map(|key| (key.y - height(key)).abs()).fold(0.0, f64::max);
+        let end = keys[keys.len() - 1];
+        println!("{name}: the root ends at {end}, at most {:.1} cm off the ground under it", 100.0 * off);
+        match name {
+            "flat" => assert!(keys.iter().all(|key| key.y == 0.0), "{name}"),
+            "stairs" => assert!((end.y - top).abs() < 1e-3 && off < 0.17, "{name}: {end}, {off}"),
+            // The ground is that between the ankles: the root is ahead of it by as much as the hips are.
+            _ => assert!(off < 0.03 && end.y.abs() > 0.3, "{name}: {end}, {off}"),
+        }
+    }
+}
+
+#[test]
+fn the_trunk_of_a_walk_leans_into_the_slope() {
+    let rig = builtin();
+    let walk = "[[walk]]\nstart = 0.3\nspeed = 1.0\n";
+    let lean = |degrees: f64| {
+        let ground = if degrees == 0.0 { String::new() } else { slope(degrees, "") };
+        let baked = baked(&rig, &scenario("lean", 6.0, &format!("{ground}{walk}")));
+        let body = &baked.performance.timeline.body;
+        let [low, high] = [Role::Hips, Role::Neck].map(|role| body.joint(role).expect("the built-in rig has all"));
+        let mut sampler = rig.sampler(&baked.clip);
+        let leans = (75..180).map(|frame| {
+            let positions = sampler.sample(f64::from(frame) / 30.0).positions;
+            let up = positions[high] - positions[low];
+            up.z.atan2(up.y)
+        });
+        (leans.sum::<f64>() / 105.0, baked.report.plausibility.zmp_inside)
+    };
+    let (level, _) = lean(0.0);
+    let [(up, zmp_up), (down, zmp_down)] = [lean(10.0), lean(-10.0)];
+    let more = [up - level, down - level].map(f64::to_degrees);
+    println!("10 degrees up: {:.1} degrees more, down: {:.1}; ZMP inside {zmp_up:.3} {zmp_down:.3}", more[0], more[1]);
+    assert!((5.7..8.6).contains(&more[0]) && (-4.0..0.5).contains(&more[1]), "{more:?}");
+    assert!(zmp_up > 0.98 && zmp_down > 0.98, "{zmp_up} {zmp_down}");
 }

@@ -179,6 +179,24 @@ fn a_walk_goes_on_at_its_speed_with_a_box_that_grows_heavy() {
 }
 
 #[test]
+fn what_is_carried_is_told_as_its_mean_weight_in_either_hand() {
+    let rig = &few()[0].1;
+    let carry = Carry { start: 0.0, mass: vec![[0.0, 2.0], [2.0, 2.0], [4.0, 12.0]], ..box_of(2.0) };
+    let scenario = Scenario { title: "told".into(), duration: 4.0, carry: vec![carry], ..Scenario::demo() };
+    let baked = baked(rig, &scenario);
+    let told: Vec<_> = baked.report.disturbances.iter().filter(|one| one.kind == "carry").collect();
+    let bones: Vec<&str> = told.iter().map(|one| one.bone.as_str()).collect();
+    assert_eq!(bones, ["leftHand", "rightHand"]);
+    for one in told {
+        // 2 kg for 2 s, then up to 12 kg in 2 s: 4.5 kg in the mean
+        assert_eq!((one.start, one.end), (0.0, baked.clip.duration));
+        let down = -one.force[1];
+        assert!((down - 0.5 * 4.5 * 9.81).abs() < 0.01 && one.force[0] == 0.0 && one.force[2] == 0.0, "{one:?}");
+    }
+    assert_eq!(baked.report.disturbances.iter().filter(|one| one.kind == "push").count(), 1);
+}
+
+#[test]
 fn a_box_is_taken_up_and_put_down_without_a_jolt() {
     let (_, rig) = rigs().swap_remove(0);
     let carry = Carry { start: 1.5, end: Some(4.5), mass: vec![[1.5, 5.0], [3.5, 30.0]], ..box_of(0.0) };

@@ -93,3 +93,39 @@ fn a_sheet_of_a_real_rig_is_the_same_bytes_every_time() {
     assert_eq!(first, png(&draw(&load(&path).expect("a rig"), 0.0)));
     assert_ne!(first, png(&draw(&rig, 0.1)), "a body 10 cm in the air is another picture");
 }
+
+/// What a baked file's clip stood on, read back from its bytes.
+fn seen(ground: &str, with_props: bool) -> surefoot::picture::Stage {
+    use surefoot::bake::{BakeOptions, bake};
+    use surefoot::rig::{clips::read_clip, load_bytes, mannequin::BUILTIN};
+    let alone = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
+    let rig = load_bytes("builtin", BUILTIN, &alone, None).expect("the built-in rig loads");
+    let text = format!(
+        "title = \"seen\"\nduration = 5.0\n[ground]\n{ground}\n[[walk]]\nstart = 0.3\nspeed = 0.5\n[[walk]]\nstart = 4.5\nspeed = 0.0\n"
+    );
+    let scenario = surefoot::model::scenario_text::parse("seen", &text).expect("a scenario");
+    let baked = bake(&rig, &scenario, &BakeOptions::default()).expect("it bakes");
+    let props = if with_props { baked.props.as_slice() } else { &[] };
+    let file = surefoot::export::glb_with_props(&rig, &[(baked.clip, baked.report.clone())], props).expect("written");
+    let again = load_bytes("baked", &file.bytes, &alone, None).expect("it loads again");
+    let clip = read_clip(&again, again.document.list("animations").len() - 1).expect("the clip");
+    surefoot::picture::Stage::at(&surefoot::picture::seen_in_file(&again, &clip, &baked.report), 2.0)
+}
+
+#[test]
+fn a_baked_files_sheet_stands_on_the_ground_that_it_was_made_on() {
+    let height = |stage: &surefoot::picture::Stage, z: f64| stage.height(glam::DVec2::new(0.05, z));
+    for with_props in [true, false] {
+        assert!(seen("kind = \"flat\"", with_props).is_flat(), "props {with_props}");
+        let slope = seen("kind = \"slope\"\nangle = 10.0", with_props);
+        let stairs = seen("kind = \"stairs\"\nrise = 0.17\ntread = 0.3\ncount = 4", with_props);
+        for z in [-0.5, 0.4, 1.0, 1.7] {
+            let off = height(&slope, z) - z * 10_f64.to_radians().tan();
+            assert!(off.abs() < 2e-3, "props {with_props}: the slope at {z} is {off} m off");
+        }
+        for (z, treads) in [(0.5, 0.0), (1.15, 1.0), (1.45, 2.0)] {
+            let off = height(&stairs, z) - 0.17 * treads;
+            assert!(off.abs() < 2e-3, "props {with_props}: the tread at {z} is {off} m off");
+        }
+    }
+}

@@ -34,12 +34,16 @@ mod picture;
 mod rig_variants;
 /// Real rigs: bones, height, heading, unit.
 mod rigs;
+/// Soles in plan: apart and uncrossed.
+mod soles;
 /// On one foot, and crouched.
 mod stances;
 /// The controller: standing, recovering, stepping.
 mod stepper;
 /// Rigs and motions made by hand for the modules above.
 mod synthetic;
+/// The scenarios of walks.
+mod walk_grid;
 /// Walking: speeds, the paper's cases, pushes, turns, sizes.
 mod walking;
 /// Walks as clips, on rigs of several builds.

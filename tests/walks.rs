@@ -7,77 +7,27 @@
 
 use crate::export::baked_path;
 use crate::limits_grid::rigs;
+use crate::walk_grid::{RIGS, walks};
 use glam::DVec3;
 use rayon::prelude::*;
 use surefoot::bake::{BakeOptions, Baked, bake};
 use surefoot::measure::percentile;
 use surefoot::model::report::Outcome;
-use surefoot::model::scenario_text;
+use surefoot::model::scenario::Scenario;
 use surefoot::rig::Rig;
 
-/// The rigs that walk, and the built-in one's legs.
-const RIGS: [&str; 4] = ["builtin", "gdquest_mannequiny", "m2m_human_male", "kaykit_Knight"];
-const LEGS: [f64; 2] = [0.7, 1.3];
 /// Goal: none. Legs a quarter of an adult's: walking into a push of 60 Ns it is thrown over, and the pose goes with it.
 const LOST: &str = "kaykit_Knight x1 pushed back";
-
-/// What each scenario is called, how long it is and what it says; `{v<speed>}` is Froude-equal, `{f<force>}` mass-scaled.
-fn scenarios() -> Vec<(String, f64, String)> {
-    let go = |speed: f64, rest: &str| format!("[[walk]]\nstart = 0.3\nspeed = {{v{speed}}}\n{rest}");
-    let stop = "[[walk]]\nstart = 4.5\nspeed = 0.0\n";
-    let mut list: Vec<(String, f64, String)> = Vec::new();
-    for (name, speed, rest) in [
-        ("walk 0.6", 0.6, ""),
-        ("walk 1.2", 1.2, ""),
-        ("walk 1.6", 1.6, ""),
-        ("back 0.6", 0.6, "heading = 180.0\nfacing = 0.0\n"),
-        ("left 0.4", 0.4, "heading = 90.0\nfacing = 0.0\n"),
-    ] {
-        list.push((name.into(), 9.0, go(speed, rest) + stop + rest));
-    }
-    let curve =
-        "[[walk]]\nstart = 2.5\nspeed = {v1.0}\nheading = 90.0\n[[walk]]\nstart = 4.5\nspeed = 0.0\nheading = 90.0\n";
-    list.push(("curve 1.0".into(), 9.0, go(1.0, "") + curve));
-    list.push(("turn 90".into(), 6.0, "[[turn]]\nstart = 0.5\nfacing = 90.0\n".into()));
-    list.push(("turn 180".into(), 8.0, "[[turn]]\nstart = 0.5\nfacing = 180.0\n".into()));
-    list.push(("a step or two".into(), 5.5, go(0.8, "[[walk]]\nstart = 1.1\nspeed = 0.0\n")));
-    for toward in ["front", "back", "left", "right"] {
-        let push = format!("[[push]]\nstart = 2.5\nduration = 0.2\nforce = {{f300}}\ntoward = \"{toward}\"\n");
-        list.push((format!("pushed {toward}"), 9.0, go(1.2, "") + stop + &push));
-    }
-    let drag = "[[pull]]\nstart = 1.0\nduration = 3.5\nforce = {f60}\ntoward = \"back\"\nat = \"hips\"\n";
-    list.push(("drags 60 N".into(), 9.0, go(1.0, "") + stop + drag));
-    list
-}
-
-/// The numbers in braces, scaled to the body.
-fn filled(text: &str, rig: &Rig, legs: f64) -> String {
-    let leg = rig.body.leg_length * legs / 0.83;
-    let mut parts = text.split('{');
-    let mut filled = parts.next().unwrap_or_default().to_owned();
-    for part in parts {
-        let (what, rest) = part.split_once('}').expect("closed");
-        let value: f64 = what[1..].parse().expect("a number");
-        let scale = if what.starts_with('v') { leg.sqrt() } else { rig.body.mass / 89.5 };
-        filled += &format!("{}{rest}", value * scale);
-    }
-    filled
-}
 
 struct Row {
     name: String,
     baked: Baked,
 }
 
-fn row(rig_name: &str, rig: &Rig, legs: f64, (name, duration, text): &(String, f64, String)) -> Row {
-    let title = format!("{rig_name} x{legs} {name}");
-    let text = format!(
-        "title = \"{title}\"\nduration = {duration}\nseed = 3\n[character]\nleg_scale = {legs}\n{}",
-        filled(text, rig, legs)
-    );
-    let scenario = scenario_text::parse(&title, &text).unwrap_or_else(|errors| panic!("{title}: {errors:?}"));
-    let baked = bake(rig, &scenario, &BakeOptions::default()).unwrap_or_else(|error| panic!("{title}: {error}"));
-    Row { name: title, baked }
+fn row(rig: &Rig, scenario: &Scenario) -> Row {
+    let title = &scenario.title;
+    let baked = bake(rig, scenario, &BakeOptions::default()).unwrap_or_else(|error| panic!("{title}: {error}"));
+    Row { name: title.clone(), baked }
 }
 
 impl Row {
@@ -128,14 +78,11 @@ fn stance(baked: &Baked) -> DVec3 {
 #[test]
 fn walks_keep_their_feet_on_every_build() {
     let only = std::env::var("WALKS").unwrap_or_default();
-    let list: Vec<_> = scenarios().into_iter().filter(|scenario| scenario.0.contains(&only)).collect();
-    let mut cells = Vec::new();
     let rigs: Vec<(String, Rig)> = rigs().into_iter().filter(|(name, _)| RIGS.contains(&name.as_str())).collect();
-    for (name, rig) in &rigs {
-        let legs: &[f64] = if name == "builtin" { &[1.0, LEGS[0], LEGS[1]] } else { &[1.0] };
-        cells.extend(legs.iter().flat_map(|legs| list.iter().map(move |scenario| (name, rig, *legs, scenario))));
-    }
-    let rows: Vec<Row> = cells.par_iter().map(|(name, rig, legs, what)| row(name, rig, *legs, what)).collect();
+    let all_walks =
+        rigs.iter().flat_map(|(name, rig)| walks(name, rig).into_iter().map(move |scenario| (rig, scenario)));
+    let cells: Vec<_> = all_walks.filter(|(_, scenario)| scenario.title.contains(&only)).collect();
+    let rows: Vec<Row> = cells.par_iter().map(|(rig, scenario)| row(rig, scenario)).collect();
     rows.iter().for_each(|row| println!("{}", row.line()));
     let all = || rows.iter().map(|row| (row, row.baked.findings.as_ref().expect("measured")));
     let slips: Vec<f64> = all().flat_map(|(_, found)| found.feet.slips.iter().map(|slip| slip.mm)).collect();
@@ -157,7 +104,7 @@ fn walks_keep_their_feet_on_every_build() {
     assert!(slip <= 1.0, "slip p95 {slip:.2} mm");
     // Goal 1 each.
     let whole = only.is_empty();
-    assert!(!whole || (pops >= 0.25 && limits >= 0.5 && inside >= 0.95), "{pops} {limits} {inside}");
+    assert!(!whole || (pops >= 0.75 && limits >= 0.5 && inside >= 0.95), "{pops} {limits} {inside}");
     let mut failed = Vec::new();
     for (row, found) in all().filter(|(row, _)| row.name != LOST) {
         let feet = &found.feet;

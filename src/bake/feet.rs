@@ -8,7 +8,7 @@
 use super::clearance::{self, Raise};
 use super::contacts::FootContact;
 use super::swing::Swing;
-use crate::maths::curve::{bump, smooth3, trapezoid};
+use crate::maths::curve::{bump, sample, smooth3, trapezoid};
 use crate::maths::quat::wrap_angle;
 use crate::model::scenario::GroundKind;
 use crate::model::{Body, Side, Terrain, report::Part};
@@ -23,6 +23,10 @@ const DORSIFLEXION: f64 = 26.0 * std::f64::consts::PI / 180.0;
 const WALKING_DORSIFLEXION: f64 = 13.0 * std::f64::consts::PI / 180.0;
 /// s, the longest that a foot stays on its ball after landing: longer, and the weight behind it has nothing to stand on.
 const LONGEST_SETTLE: f64 = 0.16;
+/// s, the same while the pressure is ahead of [`HEEL_FREE`].
+const FREE_SETTLE: f64 = 0.30;
+/// Part of the way from ankle to ball that the pressure must be past for a heel that landed last to stay up.
+const HEEL_FREE: f64 = 0.3;
 /// Part of the way from ankle to ball that the pressure must be past before the heel may rise early.
 const WEIGHT_AHEAD: f64 = 0.6;
 /// m, from which height on a step is one of stairs.
@@ -31,6 +35,13 @@ const STAIR: f64 = 0.05;
 const LANDING_FLEXION: f64 = 16.0 * std::f64::consts::PI / 180.0;
 /// rad.
 const MOST_PITCH: f64 = 45.0 * std::f64::consts::PI / 180.0;
+
+/// rad, the farthest that a foot turns out of its curve for its ankle.
+const MOST_EXTRA: f64 = 40.0 * std::f64::consts::PI / 180.0;
+/// m, by which the edge of a sole that rolls may sink, and the roll (rad) that may cost it.
+const EDGE_SINK: f64 = 0.0025;
+/// rad.
+const EDGE_ROLL: f64 = 3.0 * std::f64::consts::PI / 180.0;
 
 /// Both feet over a whole run.
 #[derive(Clone, Debug)]
@@ -53,6 +64,21 @@ struct FootPath {
     soles: Vec<(DVec3, bool)>, // levelled sole vertices from the ankle, and whether they move with the toes
     ankle_height: f64,         // m
     has_toe: bool,
+    extra: Extra,
+}
+
+/// What the ankle's range asks of a foot beside its curve: series of pitch and of roll (about the foot's length), rad.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Extra {
+    pub(super) dt: f64,
+    pub(super) turns: [Vec<f64>; 2],
+}
+
+impl Extra {
+    /// Pitch and roll at a time.
+    pub(super) fn at(&self, time: f64) -> [f64; 2] {
+        if self.dt <= 0.0 { [0.0; 2] } else { [0, 1].map(|axis| sample(&self.turns[axis], self.dt, time)) }
+    }
 }
 
 impl FootCurves {
@@ -90,6 +116,17 @@ impl FootCurves {
         }
     }
 
+    /// What a foot turns beside its curve, to be read and set.
+    pub(super) fn extra(&mut self, side: Side) -> &mut Extra {
+        &mut self.feet[side as usize].extra
+    }
+
+    /// rad, least and greatest turn beside its curve that a foot's contact leaves it then, in pitch and in roll; `dt`: s that it stays
+    /// away from where it is flat.
+    pub(super) fn room(&self, side: Side, time: f64, dt: f64) -> [[f64; 2]; 2] {
+        self.feet[side as usize].room(time, dt)
+    }
+
     /// Raises the swings over what lies between their plants.
     fn clear_the_ground(&mut self) {
         let FootCurves { feet, terrain } = self;
@@ -104,7 +141,7 @@ impl FootCurves {
                 let way = DVec2::new(way.x, way.z).normalize_or_zero();
                 path.swings[number].raise = Raise::over(terrain, way, swing.clearance, &|u, points| {
                     let time = swing.lift + (swing.land - swing.lift) * u;
-                    path.sole_points(&path.flight(&swing, time, swing.pitch(time), terrain), points);
+                    path.sole_points(&path.flight(&swing, time, terrain), points);
                 });
             }
         }
@@ -157,6 +194,7 @@ impl FootCurves {
                 let from_ankle = cop[index.min(cop.len() - 1)] - DVec2::new(ankle.x, ankle.z);
                 from_ankle.dot(DVec2::new(plant.yaw.sin(), plant.yaw.cos())) - WEIGHT_AHEAD * ball
             };
+            let heel_free = |index: usize, plant: &Plant| ahead(index, plant) > (HEEL_FREE - WEIGHT_AHEAD) * ball;
             for number in 0..path.swings.len() {
                 let before = number
                     .checked_sub(1)
@@ -189,9 +227,9 @@ impl FootCurves {
                         let excess = lean(index, &swing.to) - swing.pitch(time) - DORSIFLEXION;
                         if excess > 0.0 {
                             swing.strike = (swing.strike + 0.5 * excess).min(MOST_PITCH);
-                            swing.settle = swing
-                                .settle
-                                .max((time - swing.land + 0.04).min(after - swing.land).min(LONGEST_SETTLE));
+                            let longest = if heel_free(index, &swing.to) { FREE_SETTLE } else { LONGEST_SETTLE };
+                            swing.settle =
+                                swing.settle.max((time - swing.land + 0.06).min(after - swing.land).min(longest));
                         }
                     }
                 }
@@ -249,6 +287,7 @@ impl FootPath {
             soles,
             ankle_height: shape.ankle_height,
             has_toe: shape.toe.is_some(),
+            extra: Extra::default(),
         };
         let own: Vec<&Step> = steps.iter().filter(|step| step.side == side).collect();
         for (index, step) in own.iter().enumerate() {
@@ -293,17 +332,18 @@ impl FootPath {
         if time >= swing.land + swing.settle {
             return flat(&swing.to);
         }
-        let pitch = swing.pitch(time);
+        let [pitch, roll] = self.extra.at(time);
+        let pitch = swing.pitch(time) + pitch;
         let on = |plant: &Plant, held: DVec3, toes_flat: bool| {
             let level = turned(plant, 0.0);
-            let turn = turned(plant, pitch);
+            let turn = turned(plant, pitch) * DQuat::from_rotation_z(roll);
             let ankle = self.flat_ankle(plant) + level * held - turn * held;
             self.pose(ankle, plant.yaw, turn, if toes_flat { level } else { turn })
         };
         if time <= swing.lift {
             on(&swing.from, self.pivot, true)
         } else if time < swing.land {
-            self.flight(swing, time, pitch, terrain)
+            self.flight(swing, time, terrain)
         } else if swing.strike < 0.0 {
             on(&swing.to, self.heel, false)
         } else {
@@ -311,15 +351,59 @@ impl FootPath {
         }
     }
 
-    fn flight(&self, swing: &Swing, time: f64, pitch: f64, terrain: &Terrain) -> FootTarget {
+    /// The extra turns that no contact forbids.
+    fn room(&self, time: f64, dt: f64) -> [[f64; 2]; 2] {
+        const NONE: [[f64; 2]; 2] = [[0.0; 2]; 2];
+        let Some(swing) = self.swings.iter().rev().find(|swing| time > swing.lift - swing.heel_off) else {
+            return NONE;
+        };
+        let flat_from = if swing.strike == 0.0 { swing.land } else { swing.land + swing.settle };
+        if time <= swing.lift - swing.heel_off + dt || time >= flat_from - dt {
+            return NONE;
+        }
+        let pitch = swing.pitch(time);
+        if time > swing.lift && time < swing.land {
+            let free = [-MOST_EXTRA, MOST_EXTRA];
+            return [free, free];
+        }
+        if time >= swing.land && swing.strike < 0.0 {
+            return [[0.0; 2], self.rolls(self.heel, pitch)];
+        }
+        [[-pitch.max(0.0), (MOST_PITCH - pitch).max(0.0)], self.rolls(self.pivot, pitch)]
+    }
+
+    /// How far the foot rolls either way about a point of it before its sole's edge sinks too deep.
+    fn rolls(&self, about: DVec3, pitch: f64) -> [f64; 2] {
+        let most = |way: f64| {
+            let deep = |roll: f64| {
+                let turn = DQuat::from_rotation_x(pitch) * DQuat::from_rotation_z(way * roll);
+                let own = self.soles.iter().filter(|(_, with_toe)| !with_toe);
+                own.map(|(vertex, _)| (turn * (*vertex - about)).y).fold(f64::INFINITY, f64::min)
+            };
+            let floor = deep(0.0).min(-self.ankle_height - about.y) - EDGE_SINK;
+            let (mut low, mut high) = (0.0, MOST_EXTRA);
+            for _ in 0..8 {
+                let middle = 0.5 * (low + high);
+                if deep(middle) < floor { high = middle } else { low = middle }
+            }
+            low
+        };
+        [-most(-1.0), most(1.0)]
+    }
+
+    fn flight(&self, swing: &Swing, time: f64, terrain: &Terrain) -> FootTarget {
         let u = swing.along(time);
+        let [extra, roll] = self.extra.at(time);
+        let pitch = swing.pitch(time) + extra;
+        let rolled = DQuat::from_rotation_z(roll);
         let go = trapezoid(u);
         let yaw = swing.from.yaw + wrap_angle(swing.to.yaw - swing.from.yaw) * go;
         let first = self.flat_ankle(&swing.from) + turned(&swing.from, 0.0) * self.pivot;
         let level = turned(&swing.to, 0.0);
         let last = self.flat_ankle(&swing.to)
             + if swing.strike < 0.0 {
-                level * self.heel + turned(&swing.to, swing.strike) * (self.pivot - self.heel)
+                let rolled = DQuat::from_rotation_z(self.extra.at(swing.land)[1]);
+                level * self.heel + turned(&swing.to, swing.landing_pitch(time)) * rolled * (self.pivot - self.heel)
             } else {
                 level * self.pivot
             };
@@ -340,8 +424,8 @@ impl FootPath {
         }
         let normal = swing.from.normal.lerp(swing.to.normal, go).normalize_or(DVec3::Y);
         let between = Plant { ankle: pivot, yaw, normal };
-        let turn = turned(&between, pitch);
-        let toe = if self.has_toe { turned(&between, pitch * straight) } else { turn };
+        let turn = turned(&between, pitch) * rolled;
+        let toe = if self.has_toe { turned(&between, pitch * straight) * rolled } else { turn };
         let ankle = pivot - turn * self.pivot;
         let mut target = self.pose(ankle, yaw, turn, toe);
         // No part of the sole goes under the ground on the way; edges and bumps are cleared by the raise.
@@ -350,7 +434,7 @@ impl FootPath {
             self.sole_points(&target, &mut points);
             let over = |point: &DVec3| point.y - terrain.spot(DVec2::new(point.x, point.z)).height;
             let lowest = points.iter().map(over).fold(f64::INFINITY, f64::min);
-            target.ankle.y += (-lowest).max(0.0);
+            target.ankle.y += (-lowest - EDGE_SINK.min(EDGE_SINK * roll.abs() / EDGE_ROLL)).max(0.0);
         }
         target.soft = bump(u).sqrt();
         target

@@ -3,10 +3,11 @@
 //! A sole is stiff: on rolling ground it stands on the plane that lies best under it, on stairs on one tread, out of the
 //! riser before or behind it.
 
+use super::perform::Performance;
 use crate::maths::curve::smooth3;
 use crate::model::scenario::GroundKind;
 use crate::model::{Body, FootShape, Side, Terrain};
-use crate::stepper::{Plant, Step};
+use crate::stepper::{Physique, Plant, Step, StepKind};
 use glam::{DMat3, DVec2, DVec3};
 
 /// s, standard deviation of the smoothing of the ground's height under the body.
@@ -16,11 +17,43 @@ const LOWER: f64 = 0.7;
 /// m, that a sole keeps from a riser.
 const RISER_GAP: f64 = 0.01;
 
+/// Part of the leg by which the pressure may be beside the other foot's sole for the trailing one to leave.
+const SLACK: f64 = 0.03;
+/// s, least time that both feet are down.
+const LEAST_DOUBLE: f64 = 0.03;
+
 /// The plants of a run on the ground.
 pub fn grounded(body: &Body, terrain: &Terrain, start: &[Plant; 2], steps: &[Step]) -> ([Plant; 2], Vec<Step>) {
     let on = |side: Side, plant: &Plant| plant_on(&body.feet[side as usize], terrain, plant);
     let steps = steps.iter().map(|step| Step { from: on(step.side, &step.from), to: on(step.side, &step.to), ..*step });
     (Side::BOTH.map(|side| on(side, &start[side as usize])), steps.collect())
+}
+
+/// The steps with each lift as soon as the pressure has gone over to the foot that landed last: what trails on after that
+/// carries nothing, and holds the body down and its ankles bent. Walkers keep their own time. `cop`: the pressure's place,
+/// (x, z), every `dt` s; `scale`: times relative to the reference body.
+pub fn sooner(steps: &[Step], physique: &Physique, cop: &[DVec2], dt: f64, scale: f64) -> Vec<Step> {
+    let mut sooner = steps.to_vec();
+    for (number, step) in steps.iter().enumerate() {
+        let others = steps[..number].iter().rev().find(|other| other.side != step.side && other.land <= step.lift);
+        let (Some(other), false) = (others, step.kind == StepKind::Walk) else { continue };
+        let ahead = DVec2::new(other.to.yaw.sin(), other.to.yaw.cos());
+        let carries = |time: f64| {
+            let Some(cop) = cop.get((time / dt).round() as usize) else { return true };
+            let from = *cop - DVec2::new(other.to.ankle.x, other.to.ankle.z);
+            let along = from.dot(ahead);
+            let across = from.dot(DVec2::new(ahead.y, -ahead.x)).abs();
+            let slack = SLACK * physique.leg_length;
+            (physique.heel - slack..=physique.tip + slack).contains(&along) && across <= physique.half_width + slack
+        };
+        let least = (other.land + LEAST_DOUBLE * scale).min(step.lift);
+        let mut lift = step.lift;
+        while lift - dt >= least && carries(lift - dt) {
+            lift -= dt;
+        }
+        sooner[number].lift = lift;
+    }
+    sooner
 }
 
 fn plant_on(foot: &FootShape, terrain: &Terrain, plant: &Plant) -> Plant {
@@ -74,11 +107,35 @@ fn sole<'a>(foot: &'a FootShape, plant: &Plant) -> impl Iterator<Item = DVec2> +
     })
 }
 
+/// m, how high the ground is under the body of a performance, an entry a tick: between its feet, on stairs as on a ramp.
+pub fn heights(performance: &Performance) -> Vec<f64> {
+    let Performance { timeline, trace, .. } = performance;
+    if timeline.terrain.is_flat() {
+        return Vec::new();
+    }
+    let steps: Vec<Step> = trace.steps.iter().copied().chain(trace.aloft.filter(|_| trace.lost.is_none())).collect();
+    let (start, steps) = grounded(&timeline.body, &timeline.terrain, &trace.start, &steps);
+    let run = (timeline.dt, timeline.com.len());
+    carried(&timeline.body, &timeline.terrain, &start, &steps, run, 0.0)
+}
+
 /// m, how much higher than on level ground the feet carry the body, an entry a tick: the mean of both ankles, smooth in time.
 pub fn bases(body: &Body, terrain: &Terrain, start: &[Plant; 2], steps: &[Step], dt: f64, count: usize) -> Vec<f64> {
     if terrain.is_flat() {
         return vec![0.0; count];
     }
+    carried(body, terrain, start, steps, (dt, count), LOWER)
+}
+
+/// The same; `lower`: how far the lower foot counts for more.
+fn carried(
+    body: &Body,
+    terrain: &Terrain,
+    start: &[Plant; 2],
+    steps: &[Step],
+    (dt, count): (f64, usize),
+    lower: f64,
+) -> Vec<f64> {
     let height = |side: Side, time: f64| {
         let foot = &body.feet[side as usize];
         let turn = terrain.turn(time);
@@ -91,7 +148,7 @@ pub fn bases(body: &Body, terrain: &Terrain, start: &[Plant; 2], steps: &[Step],
     };
     let carried = |time: f64| {
         let [left, right] = Side::BOTH.map(|side| height(side, time));
-        0.5 * (left + right) - 0.5 * LOWER * (left - right).abs()
+        0.5 * (left + right) - 0.5 * lower * (left - right).abs()
     };
     let raw: Vec<f64> = (0..count).map(|index| carried(index as f64 * dt)).collect();
     let reach = (3.0 * SMOOTHING / dt).ceil() as isize;

@@ -58,13 +58,14 @@ struct Frames<'a> {
 
 /// Keys a clip. The result reads back with planted feet still to 0.5 mm wherever the poses hold them.
 pub fn keyed_clip(input: &KeyInput) -> Clip {
-    keyed_clip_on(input, &|_| DQuat::IDENTITY)
+    keyed_clip_on(input, &|_| DQuat::IDENTITY, &|_| 0.0)
 }
 
-/// The same where what the feet hold on to turns about the origin: `turn` says how at a time (s).
-pub fn keyed_clip_on(input: &KeyInput, turn: &dyn Fn(f64) -> DQuat) -> Clip {
+/// The same where what the feet hold on to turns about the origin: `turn` says how at a time (s), and `height` how high
+/// (m) the ground then carries the body.
+pub fn keyed_clip_on(input: &KeyInput, turn: &dyn Fn(f64) -> DQuat, height: &dyn Fn(f64) -> f64) -> Clip {
     let duration = f64::from(input.duration.max(0.0) as f32);
-    let mut frames = Frames::new(*input, duration);
+    let mut frames = Frames::new(*input, duration, height);
     let legs = Side::BOTH.map(|side| {
         LegChain::new(
             input.rig,
@@ -140,16 +141,21 @@ fn grid(fps: f64, duration: f64, edges: &[f32]) -> Vec<f32> {
 }
 
 impl<'a> Frames<'a> {
-    fn new(input: KeyInput<'a>, duration: f64) -> Frames<'a> {
+    fn new(input: KeyInput<'a>, duration: f64, height: &dyn Fn(f64) -> f64) -> Frames<'a> {
         let poser = Poser::new(input.rig);
         let carrier = input.root_motion.carrier(input.rig);
         let steps = (duration * 30.0).ceil().max(1.0);
         let dt = duration / steps;
         let curve = if carrier == RootCarrier::None {
-            RootCurve::follow(&[], dt, false)
+            RootCurve::follow(&[], &[], dt, false)
         } else {
             let poses: Vec<BodyPose> = (0..=steps as usize).map(|index| (input.pose)(index as f64 * dt)).collect();
-            RootCurve::follow(&poses, dt, input.root_motion == RootMotion::Root)
+            let travels = input.root_motion == RootMotion::Root;
+            let heights: Vec<f64> = match travels {
+                true => (0..=steps as usize).map(|index| height(index as f64 * dt)).collect(),
+                false => Vec::new(),
+            };
+            RootCurve::follow(&poses, &heights, dt, travels)
         };
         let mut frames =
             Frames { input, carrier, curve, times: Vec::new(), tracks: Vec::new(), locals: Vec::new(), poser };

@@ -3,7 +3,9 @@
 //! [`perform`] makes the motion on the body; [`keys`] turns it into keys on the rig's nodes; [`report`] reads the clip back
 //! as an engine would and says what it measured. Scenario space until the keys. No file is touched here.
 
+mod ankles;
 mod balance;
+mod care;
 pub mod carried;
 mod clearance;
 pub mod contacts;
@@ -104,6 +106,7 @@ pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Bak
     let performance = perform_by(&body, scenario, seed, options.drive)?;
     let name = options.name.clone().unwrap_or_else(|| safe_name(&scenario.title));
     let timeline = &performance.timeline;
+    let heights = footing::heights(&performance);
     let keyed = |root_motion: RootMotion| {
         let input = keys::KeyInput {
             rig,
@@ -114,7 +117,8 @@ pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Bak
             contacts: &performance.contacts,
             root_motion,
         };
-        keys::keyed_clip_on(&input, &|time| timeline.terrain.turn(time))
+        let height = |time: f64| interpolated(&heights, timeline.dt, time);
+        keys::keyed_clip_on(&input, &|time| timeline.terrain.turn(time), &height)
     };
     let clip = keyed(options.root);
     // Feet of a clip without its travel slide by design: what can be measured is the same motion keyed with it.
@@ -127,6 +131,15 @@ pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Bak
     props.extend(carried::props(&performance.timeline));
     props.extend(throws::props(&performance.timeline, &performance.balls));
     Ok(Baked { clip, report, performance, findings, props, warnings })
+}
+
+/// The value at a time of even samples, straight lines between.
+fn interpolated(samples: &[f64], dt: f64, time: f64) -> f64 {
+    let Some(last) = samples.len().checked_sub(1) else { return 0.0 };
+    let place = (time / dt.max(1e-9)).clamp(0.0, last as f64);
+    let index = place as usize;
+    let next = samples[(index + 1).min(last)];
+    samples[index] + (next - samples[index]) * (place - index as f64)
 }
 
 /// A clip name that engines take: letters, digits, `_` and `-`; never at its ends the words that Godot loops by.

@@ -8,9 +8,10 @@ use super::contacts::{self, FootContact};
 use super::ragdoll::{self, Drive};
 use super::throws::{self, Ball};
 use super::timeline::Timeline;
-use super::{BakeError, balance, feet, footing, knees, reach};
+use super::{BakeError, ankles, balance, care, feet, footing, knees, reach};
 use crate::maths::curve::smooth3;
 use crate::maths::seed::Seed;
+use crate::measure::joints::LegAngles;
 use crate::measure::{Frame, KnownPush, PushPoint};
 use crate::model::scenario::{Character, Direction, Feet, GroundKind, Scenario};
 use crate::model::{Body, Role, Side, Terrain};
@@ -23,7 +24,13 @@ use glam::{DVec2, DVec3};
 
 /// Passes of reach envelope and balance filter: measured, each still brings the ZMP home a little (nine of them:
 /// two thirds of the clips with 95 % inside, fourteen: three quarters).
-const PASSES: usize = 14;
+const PASSES: usize = 16;
+/// Passes in which feet and pelvis still turn for the joints' ranges: the filter settles after them.
+const EASE_PASSES: usize = 10;
+/// Passes until which recoveries take more care of sudden legs; walks do until the last but one.
+const CARE_PASSES: usize = 8;
+/// Damping of the first passes and of the last.
+const DAMPING: [f64; 2] = [0.002, 0.012];
 /// Passes in which the feet still adapt their roll to the ankles.
 const ROLL_PASSES: usize = 4;
 
@@ -117,6 +124,8 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
     // What the end cuts off is flown as far as it goes; who falls does not land.
     let aloft = trace.aloft.filter(|_| trace.lost.is_none());
     let steps: Vec<Step> = trace.steps.iter().copied().chain(aloft).collect();
+    let cop: Vec<DVec2> = ticks.iter().map(|tick| tick.cop).collect();
+    let steps = footing::sooner(&steps, &physique, &cop, trace.dt, scale);
     let (start, steps) = footing::grounded(body, &terrain, &trace.start, &steps);
     let bases = footing::bases(body, &terrain, &start, &steps, trace.dt, count);
     let height = |index: usize| {
@@ -139,6 +148,7 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
         lowering: vec![0.0; count],
         walking: walking(ticks, trace.dt, scale),
         bends: [Vec::new(), Vec::new()],
+        pelvis: [Vec::new(), Vec::new()],
         upper: upper_body(ticks, trace.dt, (&physique, &script.physiques), seed, scenario),
         drawn: articulated.as_ref().map_or(Vec::new(), |run| run.run.upper[..count].to_vec()),
         feet: feet::FootCurves::new(body, &physique, &start, &steps, still_until, scale, &terrain),
@@ -147,18 +157,26 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
         loads,
     };
     let frame = Frame::of(&timeline.terrain);
-    let cop: Vec<DVec2> = ticks.iter().map(|tick| tick.cop).collect();
     let mut held = contacts::held(&timeline.feet.contacts(timeline.duration()), frame);
+    let gauge = LegAngles::of(body);
     let mut zmp_before_pass = Vec::new();
+    let mut care = care::Care::new(count);
     for pass in 0..PASSES {
         let solved = timeline.solve_all();
-        reach::lower_into_reach(&mut timeline, &solved, scale);
+        if pass > ROLL_PASSES && pass < PASSES - 2 {
+            care.watch(&timeline, &solved, pass >= CARE_PASSES);
+        }
+        reach::lower_into_reach(&mut timeline, &solved, scale, &care, damping(pass));
         if pass > 0 && pass <= ROLL_PASSES {
             let Timeline { body, anatomy, feet, dt, .. } = &mut timeline;
             feet.ease_ankles(body, anatomy, &solved, &cop, *dt);
             held = contacts::held(&feet.contacts((count - 1) as f64 * *dt), frame);
         }
-        knees::even_knees(&mut timeline, &solved, scale);
+        if pass > 0 && pass < EASE_PASSES {
+            ankles::ease_hips(&mut timeline, &gauge, &solved, scale);
+            ankles::ease(&mut timeline, &gauge, &solved, scale);
+        }
+        knees::even_knees(&mut timeline, &solved, scale, &care);
         if pass > 0 {
             let poses: Vec<_> = solved.into_iter().map(|solved| solved.pose).collect();
             zmp_before_pass.push(balance::pass(&mut timeline, &poses, &held, &pushes));
@@ -166,7 +184,7 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
     }
     let solved = timeline.solve_all();
     // The swinging legs' mass moves the hips: the bends stay, so that this lowering is the one that they need.
-    reach::lower_into_reach(&mut timeline, &solved, scale);
+    reach::lower_into_reach(&mut timeline, &solved, scale, &care, damping(PASSES));
     let mut lost = trace.lost;
     if lost.is_some()
         && let Some(held) = held_until(&timeline)
@@ -177,6 +195,12 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
     }
     let contacts = timeline.feet.contacts(timeline.duration());
     Ok(Performance { timeline, trace, lost, contacts, pushes, balls, physique, zmp_before_pass, articulated })
+}
+
+/// How much the lowering holds on to the last pass's: little while it finds its place, more as it settles.
+fn damping(pass: usize) -> f64 {
+    let settled = ((pass as f64 - ROLL_PASSES as f64) / 8.0).clamp(0.0, 1.0);
+    DAMPING[0] * (DAMPING[1] / DAMPING[0]).powf(settled)
 }
 
 /// s, when the first thing happens: a push, the ground's turn, hands that go for a box, or what the character means to do.

@@ -4,6 +4,7 @@
 //! future counts), above what each moment needs, and none before the first disturbance, which nobody saw coming. Metres,
 //! seconds.
 
+use super::care::Care;
 use super::timeline::Timeline;
 use crate::maths::banded::BandedLeastSquares;
 use crate::maths::curve::smooth3;
@@ -19,6 +20,12 @@ const LANDING_BEND: f64 = 0.02;
 const WALKING_BEND: f64 = 0.008;
 /// Part of the leg by which a walker may rise over the standing height: the swinging leg's mass is up.
 const RISES: f64 = 0.04;
+/// Part of the leg, the arm at which a planted knee's angular acceleration counts as acceleration.
+const KNEES: f64 = 0.06;
+/// m, the same of what is held on to from pass to pass: a short leg's knee is the steeper.
+const HOLDS_ON: f64 = 0.05;
+/// Least sine of a knee's bend that its steepness is taken at.
+const STEEPEST: f64 = 0.15;
 /// s.
 const LANDING: f64 = 0.2;
 /// s, time in which a sinking that nothing holds comes up again (for a centre of mass at 0.96 m).
@@ -36,10 +43,14 @@ const FORESIGHT: f64 = 0.6;
 /// Rounds of the one-sided penalty (a Newton method: it settles in about ten).
 const ROUNDS: usize = 24;
 
-/// Computes the lowering afresh from the poses that the present one gave. `scale`: times relative to the reference body.
-pub fn lower_into_reach(timeline: &mut Timeline, solved: &[Solved], scale: f64) {
+/// Computes the lowering afresh from the poses that the present one gave, so that planted knees bend evenly too. `scale`:
+/// times relative to the reference body; `damping`: how much a knee near straight holds on to the present lowering (knees
+/// are far from linear: undamped, the passes go to and fro by centimetres).
+pub fn lower_into_reach(timeline: &mut Timeline, solved: &[Solved], scale: f64, care: &Care, damping: f64) {
     let need: Vec<f64> = solved.iter().enumerate().map(|(index, pose)| need_at(timeline, index, pose)).collect();
     let first = (timeline.still_until / timeline.dt).round() as usize;
+    let knees = planted_knees(timeline, solved, care);
+    let was = timeline.lowering.clone();
     timeline.lowering = if need.iter().all(|need| *need == 0.0) {
         vec![0.0; need.len()]
     } else {
@@ -54,11 +65,54 @@ pub fn lower_into_reach(timeline: &mut Timeline, solved: &[Solved], scale: f64) 
             }
             let foreseen = foreseen(&need, cut, timeline);
             let ease = eased(&foreseen, timeline);
-            let solved = gentlest(&foreseen, &ease, first, &done, timeline.dt, &rise[..foreseen.len()]);
+            let knees: Vec<Knee> = knees.iter().filter(|knee| knee.at + 2 < cut).copied().collect();
+            let solved =
+                gentlest(&foreseen, &ease, first, &done, timeline.dt, &rise[..foreseen.len()], (&knees, &was, damping));
             done = solved[..cut].to_vec();
         }
         done
     };
+}
+
+/// The second difference of a planted knee's bend at three entries, as the lowering makes it.
+#[derive(Clone, Copy, Debug)]
+struct Knee {
+    at: usize,
+    by: [f64; 3], // rad a metre of lowering
+    value: f64,   // rad, at no lowering
+    weight: f64,
+    hold: f64, // the weight of damping
+}
+
+/// Those of all planted legs, linear about the present poses.
+fn planted_knees(timeline: &Timeline, solved: &[Solved], care: &Care) -> Vec<Knee> {
+    let mut knees = Vec::new();
+    for side in Side::BOTH {
+        let leg = &timeline.anatomy.legs[side as usize];
+        let slope = |index: usize| {
+            let bend = solved[index].knees[side as usize];
+            let length = leg.length_at(bend);
+            let down = (solved[index].hips[side as usize].y
+                - timeline.feet.at(side, index as f64 * timeline.dt).ankle.y)
+                / length;
+            0.9 * down * length / (leg.thigh_length * leg.shank_length * bend.sin().max(STEEPEST))
+        };
+        let free: Vec<bool> =
+            (0..solved.len()).map(|index| timeline.feet.freedom(side, index as f64 * timeline.dt) > 0.0).collect();
+        for at in 0..solved.len().saturating_sub(2) {
+            if free[at..at + 3].contains(&true) {
+                continue;
+            }
+            let by = [slope(at), -2.0 * slope(at + 1), slope(at + 2)];
+            let bend = |index: usize| solved[index].knees[side as usize];
+            let now = bend(at) - 2.0 * bend(at + 1) + bend(at + 2);
+            let value = now - (0..3).map(|k| by[k] * timeline.lowering[at + k]).sum::<f64>();
+            let care = care.of(side)[at + 1];
+            let weight = care * (KNEES * leg.length()).powi(2);
+            knees.push(Knee { at, by, value, weight, hold: care * HOLDS_ON.powi(2) });
+        }
+    }
+    knees
 }
 
 /// What is known of the needs at entry `cut`: those before it, and for a while on what a stride ago was needed.
@@ -116,7 +170,15 @@ fn need_at(timeline: &Timeline, index: usize, pose: &Solved) -> f64 {
 }
 
 /// The lowering of least acceleration over `need` (m a sample), drawn to `ease`, beginning as it is `done`, constant up to sample `first` (zero on level feet), rising again within `rise` s.
-fn gentlest(need: &[f64], ease: &[f64], first: usize, done: &[f64], dt: f64, rise: &[f64]) -> Vec<f64> {
+fn gentlest(
+    need: &[f64],
+    ease: &[f64],
+    first: usize,
+    done: &[f64],
+    dt: f64,
+    rise: &[f64],
+    (knees, was, damping): (&[Knee], &[f64], f64),
+) -> Vec<f64> {
     let count = need.len();
     // On uneven feet the stand itself is lower.
     let still = need[..=first.min(count - 1)].iter().copied().fold(f64::MIN, f64::max);
@@ -139,6 +201,13 @@ fn gentlest(need: &[f64], ease: &[f64], first: usize, done: &[f64], dt: f64, ris
                 system.equation(index, &[1.0], still, 10.0 * HOLD);
             } else if held[index] {
                 system.equation(index, &[1.0], wanted_at(index), HOLD);
+            }
+        }
+        for knee in knees {
+            system.equation(knee.at, &knee.by.map(|by| by * bend), -knee.value * bend, knee.weight);
+            for (k, by) in knee.by.iter().enumerate() {
+                let weight = damping * knee.hold * (by * bend).powi(2);
+                system.equation(knee.at + k, &[1.0], was[knee.at + k], weight);
             }
         }
         lowering = system.solve();
@@ -167,7 +236,7 @@ mod tests {
     fn the_lowering_meets_the_need_starts_after_the_push_and_stays_gentle() {
         let (dt, first) = (0.01, 60);
         let need: Vec<f64> = (0..300).map(|i| if (95..120).contains(&i) { 0.10 } else { -0.01 }).collect();
-        let low = gentlest(&need, &[0.0; 300], first, &[], dt, &[0.11; 300]);
+        let low = gentlest(&need, &[0.0; 300], first, &[], dt, &[0.11; 300], (&[], &[], 0.0));
         for (index, (have, want)) in low.iter().zip(&need).enumerate() {
             assert!(have + 1e-4 >= *want, "sample {index}: {have} under {want}");
         }
@@ -182,7 +251,7 @@ mod tests {
         let dt = 0.01;
         let before: Vec<f64> = (0..300).map(|i| 0.02 + 0.015 * (f64::from(i) * 0.12).sin()).collect();
         let need: Vec<f64> = (0..500).map(|i| if (328..350).contains(&i) { 0.17 } else { -0.03 }).collect();
-        let low = gentlest(&need, &[0.0; 500], 50, &before, dt, &[0.085; 500]);
+        let low = gentlest(&need, &[0.0; 500], 50, &before, dt, &[0.085; 500], (&[], &[], 0.0));
         assert!(low[..300].iter().zip(&before).all(|(have, was)| (have - was).abs() < 1e-5), "the past changes");
         for (index, w) in low.windows(3).enumerate().skip(295) {
             let bend = (w[0] - 2.0 * w[1] + w[2]) / (dt * dt);

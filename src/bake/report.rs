@@ -6,12 +6,14 @@
 use super::contacts::{self, FootContact};
 use super::perform::Performance;
 use super::root_motion::RootMotion;
+use crate::maths::pendulum::GRAVITY;
 use crate::measure::{Findings, Frame, KnownPush, Motion, PushPoint, Setting, measure_in};
 use crate::model::report::{Assist, BodyReport, Contact, Disturbance, Event, Outcome, Plausibility};
 use crate::model::scenario::{GroundKind, Scenario};
-use crate::model::{Body, BodyPose, Clip, ClipReport, Side};
+use crate::model::{Body, BodyPose, Clip, ClipReport, Role, Side};
 use crate::rig::Rig;
 use crate::stepper::footing::STAIR_STEP;
+use glam::DVec3;
 
 /// Samples a frame (DESIGN, "Measures").
 const PER_FRAME: usize = 4;
@@ -126,6 +128,9 @@ fn told(rig: &Rig, contact: &FootContact, frame: Frame, slip_mm: f64) -> Contact
     }
 }
 
+/// s, between contacts that follow on one another.
+const SAME: f64 = 1e-4;
+
 /// `rest_from`: s, since when the character has been at rest at the end.
 fn events(performance: &Performance, rest_from: Option<f64>, duration: f64) -> Vec<Event> {
     let mut events = Vec::new();
@@ -139,9 +144,18 @@ fn events(performance: &Performance, rest_from: Option<f64>, duration: f64) -> V
         event(push.start, "push_start", None);
         event(push.end, "push_end", None);
     }
-    for step in &performance.trace.steps {
-        event(step.lift, "foot_up", Some(step.side));
-        event(step.land, "foot_down", Some(step.side));
+    // As the clip's feet go, which leave sooner than the simulated ones where nothing rests on them.
+    for side in Side::BOTH {
+        let own: Vec<_> = performance.contacts.iter().filter(|contact| contact.side == side).collect();
+        for (index, contact) in own.iter().enumerate() {
+            let follows = index.checked_sub(1).map(|before| contact.start - own[before].end);
+            if follows.is_some_and(|gap| gap > SAME) {
+                event(contact.start, "foot_down", Some(side));
+            }
+            if own.get(index + 1).map_or(duration, |next| next.start) - contact.end > SAME {
+                event(contact.end, "foot_up", Some(side));
+            }
+        }
     }
     if let Some(lost) = performance.lost {
         event(lost, "balance_lost", None);
@@ -193,7 +207,29 @@ fn disturbances(input: &ReportInput) -> Vec<Disturbance> {
                 },
             )
         })
+        .chain(weights(input))
         .collect()
+}
+
+/// What each hand carries: half of the mean weight of a box while it is held.
+fn weights(input: &ReportInput) -> Vec<Disturbance> {
+    let rotation = input.rig.document_from_scenario.rotation;
+    let duration = input.clip.duration;
+    let mut list = Vec::new();
+    for load in &input.performance.timeline.loads {
+        let [start, end] = [load.span[0].max(0.0), load.span[1].min(duration)];
+        let Some(mass) = load.mean_mass(start, end) else { continue };
+        for hand in [Role::LeftHand, Role::RightHand] {
+            list.push(Disturbance {
+                kind: "carry".into(),
+                start,
+                end,
+                force: (rotation * DVec3::NEG_Y * (0.5 * mass * GRAVITY)).to_array(),
+                bone: hand.name().into(),
+            });
+        }
+    }
+    list
 }
 
 fn warnings(input: &ReportInput, outcome: Outcome) -> Vec<String> {

@@ -2,7 +2,8 @@
 //!
 //! The root follows the character over the ground (x, z and yaw, scenario space) along the hips' path with the sway taken
 //! out: a zero-lag Gaussian over 0.2 s whose ends are pinned, so that the root starts at rest and ends exactly under the
-//! character, where the next clip goes on. Height stays with the hips. Only flat ground is thought of here.
+//! character, where the next clip goes on. It rises and falls with the ground that carries the body, on stairs as on a
+//! ramp; what the body does over that stays with the hips. In place only the horizontal travel is left out.
 
 use crate::model::BodyPose;
 use crate::rig::Rig;
@@ -99,23 +100,25 @@ fn is_root_name(name: &str) -> bool {
 #[derive(Clone, Debug, PartialEq)]
 pub struct RootCurve {
     dt: f64,
-    samples: Vec<[f64; 3]>,      // x, z (m), yaw (rad)
-    knots: Vec<(f64, [f64; 3])>, // s; empty until straightened
+    samples: Vec<[f64; 4]>,      // x, z (m), yaw (rad), y (m)
+    knots: Vec<(f64, [f64; 4])>, // s; empty until straightened
 }
 
 impl RootCurve {
-    /// The path for poses `dt` s apart, the first at time 0. Without `turning` the yaw stays 0.
-    pub fn follow(poses: &[BodyPose], dt: f64, turning: bool) -> RootCurve {
-        let Some(first) = poses.first() else { return RootCurve { dt, samples: vec![[0.0; 3]], knots: Vec::new() } };
+    /// The path for poses `dt` s apart, the first at time 0, over ground that is that high (m) under them (0 where it is not
+    /// said). Without `turning` the yaw stays 0.
+    pub fn follow(poses: &[BodyPose], heights: &[f64], dt: f64, turning: bool) -> RootCurve {
+        let Some(first) = poses.first() else { return RootCurve { dt, samples: vec![[0.0; 4]], knots: Vec::new() } };
         let mut yaw = 0.0;
         let mut samples = Vec::with_capacity(poses.len());
-        for pose in poses {
+        for (index, pose) in poses.iter().enumerate() {
             if turning {
                 let twist = twist(pose.turns[0]) - twist(first.turns[0]);
                 yaw += (twist - yaw + PI).rem_euclid(TAU) - PI;
             }
             let place = pose.hips - DQuat::from_rotation_y(yaw) * first.hips;
-            samples.push([place.x, place.z, yaw]);
+            let rise = heights.get(index).map_or(0.0, |height| height - heights[0]);
+            samples.push([place.x, place.z, yaw, rise]);
         }
         RootCurve { dt, samples: smooth(&samples, SMOOTHING / dt.max(1e-6)), knots: Vec::new() }
     }
@@ -123,16 +126,16 @@ impl RootCurve {
     /// Replaces the path by straight lines between as few of `times` (s, rising) as follow it closely. What the root then
     /// does between its keys is known exactly, and the hips make up for it.
     pub fn straighten(&mut self, times: &[f64]) {
-        let path: Vec<[f64; 3]> = times.iter().map(|time| self.smooth_at(*time)).collect();
+        let path: Vec<[f64; 4]> = times.iter().map(|time| self.smooth_at(*time)).collect();
         let mut keep = vec![false; times.len()];
         let mut open = vec![(0, times.len().saturating_sub(1))];
         while let Some((from, to)) = open.pop().filter(|(from, to)| *from < path.len() && *to < path.len()) {
             (keep[from], keep[to]) = (true, true);
             let off = |at: usize| {
                 let share = (times[at] - times[from]) / (times[to] - times[from]);
-                let off = [0, 1, 2]
+                let off = [0, 1, 2, 3]
                     .map(|axis| path[at][axis] - path[from][axis] - share * (path[to][axis] - path[from][axis]));
-                (off[0].hypot(off[1]) / KNOT_PLACE).max(off[2].abs() / KNOT_YAW)
+                (off[0].hypot(off[1]).hypot(off[3]) / KNOT_PLACE).max(off[2].abs() / KNOT_YAW)
             };
             let worst = (from + 1..to).max_by(|a, b| off(*a).total_cmp(&off(*b)));
             if let Some(worst) = worst.filter(|worst| off(*worst) > 1.0) {
@@ -145,18 +148,18 @@ impl RootCurve {
     /// Where the root is at `time` (s), from rest.
     pub fn at(&self, time: f64) -> RootMove {
         let next = self.knots.partition_point(|(knot, _)| *knot <= time);
-        let [x, z, yaw] = match (self.knots.get(next.wrapping_sub(1)), self.knots.get(next)) {
+        let [x, z, yaw, y] = match (self.knots.get(next.wrapping_sub(1)), self.knots.get(next)) {
             (Some((earlier, from)), Some((later, to))) => {
                 let share = (time - earlier) / (later - earlier);
-                [0, 1, 2].map(|axis| from[axis] + share * (to[axis] - from[axis]))
+                [0, 1, 2, 3].map(|axis| from[axis] + share * (to[axis] - from[axis]))
             }
             (Some((_, only)), None) | (None, Some((_, only))) => *only,
             (None, None) => self.smooth_at(time),
         };
-        RootMove { rotation: DQuat::from_rotation_y(yaw), translation: DVec3::new(x, 0.0, z) }
+        RootMove { rotation: DQuat::from_rotation_y(yaw), translation: DVec3::new(x, y, z) }
     }
 
-    fn smooth_at(&self, time: f64) -> [f64; 3] {
+    fn smooth_at(&self, time: f64) -> [f64; 4] {
         let last = self.samples.len() - 1;
         let place = (time / self.dt.max(1e-9)).clamp(0.0, last as f64);
         let index = (place.floor() as usize).min(last.saturating_sub(1));
@@ -172,7 +175,7 @@ impl RootCurve {
                 inside(at)
             }
         };
-        [0, 1, 2].map(|axis| cubic([-1, 0, 1, 2].map(|offset| sample(offset, axis)), share))
+        [0, 1, 2, 3].map(|axis| cubic([-1, 0, 1, 2].map(|offset| sample(offset, axis)), share))
     }
 }
 
@@ -189,7 +192,7 @@ fn cubic([before, from, to, after]: [f64; 4], share: f64) -> f64 {
 }
 
 /// Gaussian of `deviation` samples; the ends continue by point reflection, which leaves the end samples where they are.
-fn smooth(samples: &[[f64; 3]], deviation: f64) -> Vec<[f64; 3]> {
+fn smooth(samples: &[[f64; 4]], deviation: f64) -> Vec<[f64; 4]> {
     let last = samples.len() as isize - 1;
     let reach = ((3.0 * deviation).ceil() as isize).min(last.max(0));
     let weights: Vec<f64> = (-reach..=reach).map(|offset| (-0.5 * (offset as f64 / deviation).powi(2)).exp()).collect();
@@ -206,7 +209,7 @@ fn smooth(samples: &[[f64; 3]], deviation: f64) -> Vec<[f64; 3]> {
         let terms = weights.iter().zip(-reach..=reach).map(|(weight, offset)| weight * extended(centre + offset, axis));
         terms.sum::<f64>() / total
     };
-    let mut result: Vec<[f64; 3]> = (0..=last).map(|centre| [0, 1, 2].map(|axis| filtered(centre, axis))).collect();
+    let mut result: Vec<[f64; 4]> = (0..=last).map(|centre| [0, 1, 2, 3].map(|axis| filtered(centre, axis))).collect();
     for end in [0, last as usize] {
         result[end] = samples[end]; // the same but for rounding
     }
@@ -231,7 +234,7 @@ mod tests {
     #[test]
     fn the_root_starts_at_rest_and_ends_under_the_character() {
         let poses = walk(91, 1.0 / 30.0);
-        let curve = RootCurve::follow(&poses, 1.0 / 30.0, true);
+        let curve = RootCurve::follow(&poses, &[], 1.0 / 30.0, true);
         assert_eq!(curve.at(0.0), RootMove::IDENTITY);
         let end = curve.at(3.0);
         // Turned by more than half a circle: the angle is followed, not wrapped.
@@ -243,7 +246,7 @@ mod tests {
     #[test]
     fn sway_stays_in_the_hips() {
         let poses = walk(91, 1.0 / 30.0);
-        let curve = RootCurve::follow(&poses, 1.0 / 30.0, false);
+        let curve = RootCurve::follow(&poses, &[], 1.0 / 30.0, false);
         let jitter = |path: &[f64]| path.windows(3).map(|p| (p[0] - 2.0 * p[1] + p[2]).abs()).fold(0.0, f64::max);
         let raw: Vec<f64> = poses.iter().map(|pose| pose.hips.x).collect();
         let root: Vec<f64> = (0..91).map(|index| curve.at(f64::from(index) / 30.0).translation.x).collect();
@@ -251,8 +254,21 @@ mod tests {
     }
 
     #[test]
+    fn stairs_are_a_ramp_to_the_root_and_end_where_they_end() {
+        let poses = walk(91, 1.0 / 30.0);
+        let tread = |time: f64| 0.17 * ((time - 0.5) / 0.55).ceil().clamp(0.0, 3.0) + 0.4;
+        let heights: Vec<f64> = (0..91).map(|index| tread(f64::from(index) / 30.0)).collect();
+        let curve = RootCurve::follow(&poses, &heights, 1.0 / 30.0, true);
+        assert_eq!(curve.at(0.0), RootMove::IDENTITY);
+        assert!((curve.at(3.0).translation.y - 0.51).abs() < 1e-9);
+        let path: Vec<f64> = (0..90).map(|index| curve.at(f64::from(index) / 30.0).translation.y).collect();
+        let steepest = path.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max) * 30.0;
+        assert!(steepest < 0.45, "{steepest} m/s; a riser by itself is 5");
+    }
+
+    #[test]
     fn one_pose_makes_a_root_that_stays() {
-        let curve = RootCurve::follow(&walk(1, 0.1), 0.1, true);
+        let curve = RootCurve::follow(&walk(1, 0.1), &[], 0.1, true);
         assert_eq!(curve.at(5.0), RootMove::IDENTITY);
     }
 }

@@ -19,6 +19,10 @@ const HELD: f64 = 0.55;
 const HELD_HEIGHT: f64 = 0.13;
 /// s, by how much a heel that lands after its ball begins to come down before the ball lands.
 const LEAD: f64 = 0.05;
+/// s, the same of the toes of a walker that lands on its heel: its pitch takes five frames or more.
+const HEEL_LEAD: f64 = 0.04;
+/// Part of a walker's stance until the foot is flat: 8 to 12 % of the cycle.
+const SETTLES: f64 = 0.185;
 
 /// A step with its roll. Times in s.
 #[derive(Clone, Copy, Debug)]
@@ -77,7 +81,7 @@ impl Swing {
         let settle = if strike > 0.0 {
             0.15
         } else if walks {
-            0.11
+            (SETTLES * (after - step.land) / scale).clamp(0.09, 0.19)
         } else {
             0.085
         };
@@ -127,6 +131,23 @@ impl Swing {
         self.peak * if self.walks { 0.5 * (smooth3(share) + smooth5(share)) } else { smooth5(share) }
     }
 
+    /// s, when the foot begins to come down to flat: a little before it lands.
+    fn settles_from(&self) -> f64 {
+        let lead = if self.strike > 0.0 {
+            LEAD
+        } else if self.strike < 0.0 && self.walks {
+            HEEL_LEAD
+        } else {
+            0.0
+        };
+        self.land - lead.min(0.25 * (self.land - self.lift - self.peak_after)).max(0.0)
+    }
+
+    /// rad, the pitch about the heel with which a heel-first landing is flown to.
+    pub(super) fn landing_pitch(&self, time: f64) -> f64 {
+        if time > self.settles_from() { self.pitch(time) } else { self.strike }
+    }
+
     /// Pitch at a time between heel off and flat.
     pub(super) fn pitch(&self, time: f64) -> f64 {
         let (start, top) = (self.lift - self.heel_off, self.lift + self.peak_after);
@@ -135,7 +156,7 @@ impl Swing {
         } else if time <= top && (self.strike <= self.peak || time <= self.lift) {
             self.rise(time)
         } else {
-            let turn = self.land - if self.strike > 0.0 { LEAD.min(0.25 * (self.land - top)) } else { 0.0 };
+            let turn = self.settles_from();
             if time <= turn {
                 let more = self.strike - self.peak;
                 if more > 0.0 {

@@ -36,6 +36,8 @@ pub struct Timeline {
     pub walking: Vec<f64>,
     /// rad, bends of the knees, left and right; a leg in the air takes them, a planted one bends as it must. Empty: none does.
     pub bends: [Vec<f64>; 2],
+    /// rad, what the hips' range adds to the pelvis: forward tilt, and list to the right. Empty: nothing.
+    pub pelvis: [Vec<f64>; 2],
     /// Upper body and pelvis.
     pub upper: Vec<UpperAngles>,
     /// Upper body and pelvis as an articulated body moved them, instead of `upper`; empty where none did.
@@ -62,7 +64,7 @@ impl Timeline {
         self.shift.truncate(last + 1);
         self.lowering.truncate(last + 1);
         self.walking.truncate(last + 1);
-        self.bends.iter_mut().for_each(|bends| bends.truncate(last + 1));
+        self.bends.iter_mut().chain(&mut self.pelvis).for_each(|series| series.truncate(last + 1));
         self.upper.truncate(last + 1);
         self.drawn.truncate(last + 1);
     }
@@ -127,6 +129,9 @@ impl Timeline {
             let free = !bends.is_empty() && self.feet.freedom(side, time) > 0.0;
             FootTarget { bend: free.then(|| sample(bends, self.dt, time)), ..self.feet.at(side, time) }
         });
+        let [tilt, list] = [0, 1]
+            .map(|axis| if self.pelvis[axis].is_empty() { 0.0 } else { sample(&self.pelvis[axis], self.dt, time) });
+        let pelvis = pelvis * DQuat::from_rotation_x(tilt) * DQuat::from_rotation_z(list);
         let target = PoseTarget { com, pelvis, chest, head, arms, feet, hold: None };
         match carried::hold(&self.carried, &self.loads, time) {
             Some(hold) => target.holding(hold),

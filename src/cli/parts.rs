@@ -124,7 +124,7 @@ pub fn sheet_of_file(rig: &Rig, file: &str, wanted: Option<&str>) -> Result<Vec<
     let extras = rig.document.list("animations")[index].pointer("/extras/surefoot");
     let report = extras.and_then(|report| serde_json::from_value(report.clone()).ok());
     let report = report.unwrap_or_else(|| foreign(rig, &clip));
-    Ok(sheet(rig, &clip, &report, &[]))
+    Ok(sheet(rig, &clip, &report, &picture::seen_in_file(rig, &clip, &report)))
 }
 
 /// What is known of a clip that says nothing about itself.

@@ -14,10 +14,10 @@ use glam::{DQuat, DVec2, DVec3, dvec3};
 
 /// rad, beyond a bound that is not counted.
 pub const LIMIT_TOLERANCE: f64 = 1.0 * DEGREE;
-/// rad, the least step that can be a pop.
-const POP_LEAST: f64 = 4.0 * DEGREE;
-/// How much larger than its neighbours' a step must be to be one.
-const POP_FACTOR: f64 = 4.0;
+const HIP: [[f64; 2]; 2] = [[-30.0, 125.0], [-30.0, 45.0]]; // degrees, flexion and abduction
+const ANKLE: [[f64; 2]; 2] = [[-50.0, 30.0], [-20.0, 30.0]]; // degrees, flexion and inversion
+const POP_LEAST: f64 = 4.0 * DEGREE; // rad, the least step that can be a pop
+const POP_FACTOR: f64 = 4.0; // how much larger than its neighbours' a step must be to be one
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
 /// An angle of the body, of that sample.
@@ -103,6 +103,43 @@ pub fn angles(body: &Body, pose: &BodyPose) -> Vec<Angle> {
     out
 }
 
+/// Reads hips and ankles of many poses of one body.
+pub struct LegAngles {
+    neutral: Neutral,
+    ranges: [[[f64; 2]; 4]; 2], // by side
+}
+
+impl LegAngles {
+    /// Of a body.
+    pub fn of(body: &Body) -> LegAngles {
+        let table = [HIP[0], HIP[1], ANKLE[0], ANKLE[1]].map(|range| range.map(f64::to_radians));
+        let mut legs = LegAngles { neutral: Neutral::of(body), ranges: [table; 2] };
+        let rest = BodyPose::rest(body);
+        for side in Side::BOTH {
+            let Some(angles) = legs.at(&rest, side) else { continue };
+            for (range, angle) in legs.ranges[side as usize].iter_mut().zip(angles) {
+                *range = [range[0].min(angle), range[1].max(angle)];
+            }
+        }
+        legs
+    }
+
+    /// rad: flexion and abduction of the hip, flexion and inversion of the ankle; `None` for a leg that is not whole.
+    pub fn at(&self, pose: &BodyPose, side: Side) -> Option<[f64; 4]> {
+        let limb = self.neutral.limbs.iter().find(|limb| !limb.arm && limb.side == side)?;
+        let (upper, shank, foot) = (limb.joints[0]?, limb.joints[1]?, limb.joints[2]?);
+        let pelvis = pose.turns[0] * self.neutral.upright.inverse();
+        let [flexion, abduction, _] = hip_angles(pelvis.inverse() * pose.turns[upper] * limb.rest[0], side.sign());
+        let [ankle, inversion] = limb.ankle(pose.turns[shank], pose.turns[foot]);
+        Some([flexion, abduction, ankle, inversion])
+    }
+
+    /// rad, least and greatest of each of the four.
+    pub fn ranges(&self, side: Side) -> [[f64; 2]; 4] {
+        self.ranges[side as usize]
+    }
+}
+
 /// Frame to frame, each joint against its parent.
 fn pops(track: &Track) -> Vec<Pop> {
     let motion = track.motion;
@@ -143,7 +180,6 @@ struct Neutral {
     head: Option<usize>,
 }
 
-/// An arm or a leg.
 struct Limb {
     side: Side,
     arm: bool,
@@ -214,8 +250,8 @@ impl Neutral {
                 add(role, "rotation", -out_sign * twist, -80.0, 80.0);
             } else {
                 let [flexion, abduction, rotation] = hip_angles(pelvis.inverse() * upper_turn * limb.rest[0], out_sign);
-                add(role, "flexion", flexion, -30.0, 125.0);
-                add(role, "abduction", abduction, -30.0, 45.0);
+                add(role, "flexion", flexion, HIP[0][0], HIP[0][1]);
+                add(role, "abduction", abduction, HIP[1][0], HIP[1][1]);
                 add(role, "rotation", rotation, -45.0, 45.0);
             }
             let Some(lower) = limb.joints[1] else { continue };
@@ -233,12 +269,9 @@ impl Neutral {
                 add(end_role, "flexion", -out_sign * swing.z, -70.0, 75.0);
                 add(end_role, "deviation", swing.x, -20.0, 35.0);
             } else {
-                // The foot is neutral where it is flat under an upright shank.
-                let relative = (lower_turn * limb.rest[1]).inverse() * pose.turns[end] * limb.level[0];
-                let (swing, twist) = swing_twist(relative, DVec3::Y);
-                let forward = DQuat::from_rotation_y(twist) * limb.forward;
-                add(end_role, "flexion", swing.dot(forward.cross(DVec3::Y)), -50.0, 30.0);
-                add(end_role, "inversion", -out_sign * swing.dot(forward), -20.0, 30.0);
+                let [flexion, inversion] = limb.ankle(lower_turn, pose.turns[end]);
+                add(end_role, "flexion", flexion, ANKLE[0][0], ANKLE[0][1]);
+                add(end_role, "inversion", inversion, ANKLE[1][0], ANKLE[1][1]);
             }
             if let Some(toes) = limb.joints[3] {
                 let foot = pose.turns[end] * limb.level[0];
@@ -275,6 +308,14 @@ impl Limb {
         let bent = shown.length() > (15.0 * DEGREE).sin() && shown.dot(assumed) > 0.5 * shown.length();
         let hinge = if bent { shown.normalize() } else { assumed };
         Some(Limb { side, arm, joints, rest, hinge, along: [upper, lower], forward, level })
+    }
+
+    /// Flexion and inversion of a foot against its shank; neutral where it is flat under an upright one.
+    fn ankle(&self, shank: DQuat, foot: DQuat) -> [f64; 2] {
+        let relative = (shank * self.rest[1]).inverse() * foot * self.level[0];
+        let (swing, twist) = swing_twist(relative, DVec3::Y);
+        let forward = DQuat::from_rotation_y(twist) * self.forward;
+        [swing.dot(forward.cross(DVec3::Y)), -self.side.sign() * swing.dot(forward)]
     }
 }
 

@@ -28,6 +28,18 @@ impl Load {
         if there { along(&self.mass, time) } else { 0.0 }
     }
 
+    /// kg, the mean of what is held over that time; `None` where that is no time.
+    pub fn mean_mass(&self, start: f64, end: f64) -> Option<f64> {
+        let inside = self.mass.iter().map(|point| point[0]).filter(|at| (start..=end).contains(at));
+        let mut times: Vec<f64> = [start].into_iter().chain(inside).chain([end]).collect();
+        times.sort_by(f64::total_cmp);
+        let whole: f64 = times
+            .windows(2)
+            .map(|pair| 0.5 * (along(&self.mass, pair[0]) + along(&self.mass, pair[1])) * (pair[1] - pair[0]))
+            .sum();
+        (end > start).then(|| whole / (end - start))
+    }
+
     /// m, its centre in a pose.
     pub fn centre_in(&self, pose: &BodyPose, positions: &[DVec3]) -> DVec3 {
         positions[self.joint] + pose.turns[self.joint] * self.centre

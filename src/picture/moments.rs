@@ -16,7 +16,7 @@ pub fn choose_moments(report: &ClipReport, count: usize) -> Vec<Moment> {
     let end = report.duration.max(0.0);
     // (importance, moment): the smaller the number, the sooner it has a place.
     let mut found: Vec<(u32, Moment)> = vec![(1, moment(end, "end"))];
-    let pushes: Vec<_> = report.disturbances.iter().collect();
+    let pushes: Vec<_> = report.disturbances.iter().filter(sudden).collect();
     if let Some(first) = pushes.iter().map(|push| push.start).min_by(f64::total_cmp) {
         found.push((0, moment((first - 0.08).max(0.0), "before")));
     } else {
@@ -59,16 +59,21 @@ pub fn even_moments(duration: f64, count: usize) -> Vec<Moment> {
     (0..count).map(|at| moment(duration.max(0.0) * at as f64 / last, "")).collect()
 }
 
+/// A load is carried all the time and is no moment.
+fn sudden(disturbance: &&crate::model::report::Disturbance) -> bool {
+    disturbance.kind != "carry"
+}
+
 fn moment(time: f64, label: &str) -> Moment {
     Moment { time, label: label.to_owned() }
 }
 
 /// Halves the largest gap until there are enough; time after the last event counts for little.
 fn fill(chosen: &mut Vec<Moment>, count: usize, report: &ClipReport, end: f64) {
-    let pushed = report.disturbances.iter().map(|push| push.end);
+    let pushed = report.disturbances.iter().filter(sudden).map(|push| push.end);
     let last = report.events.iter().map(|event| event.time).chain(pushed).filter(|time| time.is_finite());
     let quiet = last.fold(0.0, f64::max) + 0.5;
-    let first = report.disturbances.iter().map(|push| push.start).fold(f64::INFINITY, f64::min);
+    let first = report.disturbances.iter().filter(sudden).map(|push| push.start).fold(f64::INFINITY, f64::min);
     // Time as it is felt: quick where something happens.
     let felt = |time: f64| {
         let still = if first.is_finite() { first.min(time) * 0.1 } else { 0.0 };

@@ -209,7 +209,9 @@ fn extrapolated(input: &SheetInput, time: f64) -> Option<DVec2> {
 /// The report's pushes at that time, on the bones that they name.
 fn pushes(input: &SheetInput, time: f64, transforms: &NodeTransforms) -> Vec<Push> {
     let rig = input.rig;
-    let active = input.report.disturbances.iter().filter(|push| push.start <= time && time <= push.end);
+    // of what is carried the box itself is seen
+    let pushes = input.report.disturbances.iter().filter(|push| push.kind != "carry");
+    let active = pushes.filter(|push| push.start <= time && time <= push.end);
     active
         .filter_map(|push| {
             let document = DVec3::from(push.force);

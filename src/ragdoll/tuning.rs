@@ -95,7 +95,7 @@ impl Default for Tuning {
             standby: [0.2, 0.2],
             bearing: [2000.0, 200.0],
             lift: [0.072, 0.1],
-            foreseen: 0.7,
+            foreseen: 0.3,
             least: 0.06,
             borne: 0.03,
             settle: 1000.0,

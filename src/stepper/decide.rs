@@ -5,13 +5,16 @@
 
 use super::balance::steady_lean;
 use super::foothold::{ankles, beside, corrective, middle_after};
-use super::footing::set_down;
+use super::footing::{ROOM, apart, set_down};
 use super::support::{Support, Tread};
 use super::{Intent, Params, Passing, Physique, Plant, State, StepKind, Swing, Trigger};
 use super::{control::wrap, footfall, foothold, ground, swing};
 use crate::maths::pendulum;
 use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
+
+/// Share of a swing from which on it lands on the side of the other foot that it is going to.
+const LATE: f64 = 0.6;
 
 /// What to do with both feet down.
 pub fn decide(params: &Params, physique: &Physique, state: &mut State) {
@@ -218,10 +221,21 @@ pub fn replan(params: &Params, physique: &Physique, terrain: &Terrain, state: &m
     };
     let most = params.retarget * dt;
     swing.aim += (ground(wanted.ankle) - swing.aim).clamp_length_max(most);
-    swing.to = set_down(terrain, physique, swing.aim, wanted.yaw, swing.land);
+    let beside = landing(params, physique, state, &swing, wanted.yaw);
+    swing.to = set_down(terrain, physique, beside, wanted.yaw, swing.land);
     let detour = swing::detour(ground(swing.from.ankle), ground(swing.to.ankle), stance, swing.round, params.gap);
     swing.detour += (detour - swing.detour).clamp_length_max(most);
     state.swing = Some(swing);
+}
+
+/// Where the foot lands that is aimed there: beside the foot that stands and not on it. Late in a swing it no longer
+/// changes to another side of it.
+fn landing(params: &Params, physique: &Physique, state: &State, swing: &Swing, yaw: f64) -> DVec2 {
+    let stance = &state.feet[swing.side.other() as usize];
+    let plant = Plant::level(DVec3::new(swing.aim.x, 0.0, swing.aim.y), yaw);
+    let beside = ground(apart(physique, stance, &plant, swing.side, ROOM * params.size).ankle);
+    let late = swing::phase(swing, state.time) > LATE && beside.distance(ground(swing.to.ankle)) > 0.1 * params.size;
+    if late { ground(swing.to.ankle) } else { beside }
 }
 
 /// How uncomfortable the stand is; over 1 it wants mending.

@@ -3,7 +3,7 @@
 
 use super::control::wrap;
 use super::gait::{self, Rhythm};
-use super::{Params, Physique, Plant, State, Swing, ground, support, swing, turn, walk};
+use super::{Params, Physique, Plant, State, Swing, footing, ground, support, swing, turn, walk};
 use crate::maths::pendulum;
 use crate::model::Side;
 use glam::{DVec2, DVec3};
@@ -49,10 +49,15 @@ pub fn plan(
     best
 }
 
+/// s, a swing of the gait takes no less: one that turns on the spot is not in a hurry.
+pub fn least_swing(params: &Params, state: &State) -> f64 {
+    if state.gait.spot { params.least_swing.max(0.33 * params.tempo) } else { params.least_swing }
+}
+
 /// The swing in the air, aimed again: its landing and its time.
 pub fn replan(params: &Params, physique: &Physique, state: &State, swing: &Swing, dt: f64) -> (Plant, f64) {
     let gone = state.time - swing.lift;
-    let least = (params.least_swing - gone).max(2.0 * dt);
+    let least = (least_swing(params, state) - gone).max(2.0 * dt);
     let footfall = plan(params, physique, state, swing.side, (0.0, (swing.land - state.time).max(0.0)), (0.0, least));
     let ticks = (footfall.time / dt).ceil().max(1.0);
     let sooner = (swing.land - state.time - ticks * dt).clamp(0.0, 2.0 * dt);
@@ -156,6 +161,14 @@ fn landing(
         let way = turn::rotated(gait.velocity, amid).normalize_or(ahead);
         step.landing(rear, (com, velocity), (walk::omega(params, physique), state.com.y.max(0.1), 0.0), way)
     };
+    if gait.spot {
+        let (ideal, yaw) = turn::around(params, physique, state, side);
+        let ankle = ideal + (wanted - ideal).clamp_length_max(0.03 * params.size);
+        let plant = Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), yaw);
+        let plant = footing::apart(physique, stance, &plant, side, footing::ROOM * params.size);
+        let off = (ground(plant.ankle).distance(wanted) - 0.08 * params.size).max(0.0); // no haste for less
+        return Footfall { plant, off, wait, time };
+    }
     let (from, gone) = match state.swing {
         Some(swing) if swing.side == side => (ground(swing.from.ankle), state.time - swing.lift),
         _ => (ground(state.feet[side as usize].ankle), 0.0),
@@ -166,7 +179,9 @@ fn landing(
     let (ankle, off) = if crossed + 0.1 * params.size < straight { (over, crossed) } else { (own, straight) };
     let yaw = state.facing + amid + side.sign() * physique.toe_out;
     let yaw = stance.yaw + wrap(yaw - stance.yaw).clamp(-1.0, 1.0);
-    Footfall { plant: Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), yaw), off, wait, time }
+    let plant = Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), yaw);
+    let plant = footing::apart(physique, stance, &plant, side, footing::ROOM * params.size);
+    Footfall { plant, off, wait, time }
 }
 
 /// The nearest landing that legs can do in `fly` s: on the foot's own side, or across in front of the other one

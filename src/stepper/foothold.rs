@@ -4,7 +4,7 @@
 //! Ground plane (x, z), metres, seconds.
 
 use super::balance::{braking, steady_lean};
-use super::{Params, Passing, Physique, Plant, State, Support, ground, support::Tread, swing};
+use super::{Params, Passing, Physique, Plant, State, Support, footing, ground, support::Tread, swing};
 use crate::maths::pendulum;
 use crate::model::Side;
 use glam::{DVec2, DVec3};
@@ -81,6 +81,8 @@ pub fn corrective(
         }
     }
     let plant = Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), state.facing + side.sign() * physique.toe_out);
+    let plant = footing::apart(physique, stance, &plant, side, footing::ROOM * params.size);
+    let ankle = ground(plant.ankle);
     let across = (-(ankle - ground(stance.ankle)).dot(out)).max(0.0);
     let stands = Support::two(params, physique, [stance, &plant], [Tread::Whole; 2], params.margin);
     let xi = state.xi() + lean + shove / state.omega() - shove * (0.5 * more);

@@ -3,7 +3,8 @@
 //! The controller reckons heights over the ground that carries the body (the clip adds the ground's own): here only the
 //! feet know the ground. Scenario space unless a name says ground frame; metres, radians.
 
-use super::{Params, Physique, Plant, State, support};
+use super::control::wrap;
+use super::{Params, Physique, Plant, State, ground, support};
 use crate::model::scenario::GroundKind;
 use crate::model::terrain::FIRST;
 use crate::model::{Side, Terrain};
@@ -11,6 +12,8 @@ use glam::{DQuat, DVec2, DVec3};
 
 /// s, of the reference body: a step on stairs takes no less.
 pub const STAIR_STEP: f64 = 0.55;
+/// m, of the reference body: soles land so far apart.
+pub const ROOM: f64 = 0.015;
 /// m, that a sole keeps from an edge.
 const EDGE: f64 = 0.01;
 
@@ -66,6 +69,62 @@ fn held(terrain: &Terrain, physique: &Physique, ankle: DVec2, yaw: f64) -> DVec2
     // A sole longer than its tread keeps out of the riser and hangs over the other edge.
     let up = matches!(terrain.kind, GroundKind::Stairs { rise, .. } if rise > 0.0);
     DVec2::new(ankle.x, if up { high } else { low })
+}
+
+/// m of clear ground between two soles in plan, each a capsule from heel to tip; negative where they overlap.
+pub fn clear(physique: &Physique, feet: [&Plant; 2]) -> f64 {
+    let round = physique.half_width.min(0.5 * (physique.tip - physique.heel));
+    let line = |foot: &Plant| {
+        let toe = support::forward(foot.yaw);
+        [physique.heel + round, physique.tip - round].map(|along| ground(foot.ankle) + toe * along)
+    };
+    let near = |[from, to]: [DVec2; 2], point: DVec2| {
+        let share = ((point - from).dot(to - from) / (to - from).length_squared().max(1e-12)).clamp(0.0, 1.0);
+        point.distance(from.lerp(to, share))
+    };
+    let [one, two] = feet.map(line);
+    let beyond = |[from, to]: [DVec2; 2], point: DVec2| (to - from).perp_dot(point - from) > 0.0;
+    let parts = |line: [DVec2; 2], other: [DVec2; 2]| beyond(line, other[0]) != beyond(line, other[1]);
+    let crossed = parts(one, two) && parts(two, one);
+    let gap = near(one, two[0]).min(near(one, two[1])).min(near(two, one[0])).min(near(two, one[1]));
+    (if crossed { 0.0 } else { gap }) - 2.0 * physique.half_width
+}
+
+/// The landing of `side` moved the shortest way, outwards or along the feet, until `room` m lie between the soles; no
+/// farther than a sole is long.
+pub fn apart(physique: &Physique, stance: &Plant, plant: &Plant, side: Side, room: f64) -> Plant {
+    if clear(physique, [stance, plant]) >= room {
+        return *plant;
+    }
+    let way = stance.yaw + 0.5 * wrap(plant.yaw - stance.yaw);
+    let (out, ahead) = (support::left(way) * side.sign(), support::forward(way));
+    let mut best = (f64::INFINITY, *plant);
+    for way in [out, ahead, -ahead] {
+        let found = moved(physique, stance, plant, way, room);
+        if found.0 < best.0 {
+            best = found;
+        }
+    }
+    best.1
+}
+
+/// How far that way, m, and where it then is.
+fn moved(physique: &Physique, stance: &Plant, plant: &Plant, way: DVec2, room: f64) -> (f64, Plant) {
+    let most = physique.tip - physique.heel;
+    let (mut gone, mut plant) = (0.0, *plant);
+    loop {
+        let lack = room - clear(physique, [stance, &plant]);
+        if lack <= 1e-4 * most {
+            return (gone, plant);
+        }
+        if gone >= most {
+            return (f64::INFINITY, plant);
+        }
+        // no nearer than by what lacks does any way lead apart
+        let step = lack.max(1e-3 * most);
+        plant.ankle += DVec3::new(way.x, 0.0, way.y) * step;
+        gone += step;
+    }
 }
 
 /// m, the longest step that the ground allows a body at `place` that goes that way: a tread, on and before stairs.

@@ -6,7 +6,7 @@
 //! that pivot the paper's formula gives the step's length. Sources: Kenwright (2013), step distance with residual
 //! speed; Hof (2008), steady gait by the extrapolated centre of mass; Sekiya (1997), walk ratio.
 
-use super::{Params, Physique, support};
+use super::{Params, Physique, footing, support};
 use crate::maths::pendulum;
 use crate::model::Side;
 use glam::DVec2;
@@ -45,6 +45,10 @@ pub fn rhythm(
     let share = (0.24 - 0.133 * (speed - 1.2)).clamp(0.14, 0.36);
     let travel = speed * step * across.abs() * params.size;
     let foot = physique.tip - physique.heel;
+    // feet that land beside each other, not one ahead of the other, need room for their heels
+    let ahead_by = (pace * step * params.size).dot(ahead).abs() / foot.max(1e-9);
+    let beside = 2.0 * (physique.half_width - physique.heel * physique.toe_out.max(0.0)) + footing::ROOM * params.size;
+    let room = (beside - params.step_width).max(0.0) * ((1.15 - ahead_by) / 0.3).clamp(0.0, 1.0);
     let full = (speed / 0.5).min(1.0) * along;
     let (rear, front) = (physique.heel + 0.26 * foot, physique.heel + 0.70 * foot);
     let (mid, half) = (0.5 * (rear + front), 0.5 * (front - rear) * full);
@@ -52,7 +56,10 @@ pub fn rhythm(
     Rhythm {
         step: step * params.tempo,
         double: if params.rolls { share * step * params.tempo } else { 0.0 },
-        width: params.step_width + 0.06 * params.size * spin * (1.0 - speed).max(0.0) + travel,
+        width: params.step_width
+            + room
+            + (params.width - params.step_width).max(0.06 * params.size) * spin * (1.0 - speed).max(0.0)
+            + travel,
         roll: [mid - half, mid + half],
     }
 }

@@ -72,7 +72,11 @@ fn steady_xi(params: &Params, physique: &Physique, state: &State, rhythm: &Rhyth
     let rear = ground(state.feet[side.other() as usize].ankle);
     let turned = turn::turned_in(state, time);
     let across = turn::rotated(state.aside(), turned) * (side.sign() * rhythm.width);
-    let ankle = rear + turn::rotated(state.gait.velocity, turned) * rhythm.step + across;
+    let ankle = if state.gait.spot {
+        turn::around(params, physique, state, side).0
+    } else {
+        rear + turn::rotated(state.gait.velocity, turned) * rhythm.step + across
+    };
     footfall::pivot(params, physique, state, rhythm, side, time).xi_for(rear, ankle)
 }
 

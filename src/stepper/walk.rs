@@ -52,6 +52,8 @@ pub struct Gait {
     pub goal: f64,
     /// The feet have to step for it to get there.
     pub turning: bool,
+    /// It began as a turn on the spot, and nothing else has been asked for since.
+    pub spot: bool,
     /// This step is the last one.
     pub last: bool,
     /// m, the longest step that the ground allows.
@@ -75,6 +77,7 @@ impl Gait {
             turn: 0.0,
             goal: 0.0,
             turning: false,
+            spot: false,
             last: false,
             longest: f64::INFINITY,
         }
@@ -86,6 +89,7 @@ pub fn steer(params: &Params, terrain: &Terrain, state: &mut State, inputs: &Inp
     // while the pelvis turns, the way to go turns with it
     let wanted = turn::rotated(inputs.walk.unwrap_or(DVec2::ZERO), -state.gait.goal);
     let gait = &mut state.gait;
+    gait.spot &= inputs.walk.is_none_or(|walk| walk == DVec2::ZERO);
     if gait.phase == Phase::Rest && wanted == DVec2::ZERO && gait.velocity == DVec2::ZERO {
         return;
     }
@@ -137,7 +141,7 @@ pub fn both_down(
             return (false, None);
         }
     } else {
-        let least = ((params.double_support - state.settled).max(0.0), params.least_swing);
+        let least = ((params.double_support - state.settled).max(0.0), footfall::least_swing(params, state));
         let footfall = footfall::plan(params, physique, state, state.gait.side, (left_over, single), least);
         if footfall.off > params.stumble {
             state.gait.phase = Phase::Rest;
@@ -186,6 +190,7 @@ fn begin(params: &Params, physique: &Physique, state: &mut State) -> bool {
         if usual.min(other) > params.stumble {
             return false;
         }
+        state.gait.spot = false;
         enter(state, Phase::Double, side, rhythm.double);
         return true;
     }
@@ -204,6 +209,7 @@ fn begin(params: &Params, physique: &Physique, state: &mut State) -> bool {
     } else {
         params.lead
     };
+    state.gait.spot = gait.turning && way == DVec2::ZERO;
     enter(state, Phase::Start, side, 0.5 * params.tempo);
     true
 }
@@ -238,7 +244,7 @@ fn lift(
     let land = state.time + ticks * dt;
     let slow = (state.gait.velocity.length() - params.ramp * ticks * dt) < 0.2 * params.size / params.tempo;
     let slow = slow && state.velocity.length() < 0.68 * params.size / params.tempo;
-    let last = slow && !goes(params, state, inputs);
+    let last = if state.gait.spot { turn::closes(physique, state, side) } else { slow && !goes(params, state, inputs) };
     enter(state, Phase::Single, side, ticks * dt);
     state.gait.last = last;
     let to = footfall::plan(params, physique, state, side, (0.0, ticks * dt), (0.0, ticks * dt)).plant;

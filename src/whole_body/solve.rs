@@ -274,11 +274,11 @@ impl<'a> Solver<'a> {
         // The knee points between the foot and the pelvis, a little upwards so that a raised thigh keeps its knee above.
         let pelvis_yaw = yaw_of(target.pelvis);
         let yaw = pelvis_yaw + 0.65 * crate::maths::quat::wrap_angle(foot.yaw - pelvis_yaw);
-        let pole = DVec3::new(yaw.sin(), 0.25, yaw.cos());
         let ankle = match foot.bend {
             Some(bend) => hip + (foot.ankle - hip).normalize_or(DVec3::NEG_Y) * leg.length_at(bend),
             None => soft_reach(hip, foot.ankle, leg.length(), foot.soft),
         };
+        let pole = knee_pole(ankle - hip, yaw);
         let chain = two_bone_ik(hip, ankle, leg.thigh_length, leg.shank_length, pole, STRAIGHTEST);
         pose.turns[leg.upper] = limb_frame(chain.middle - hip, chain.hinge) * leg.thigh_from_rest;
         pose.turns[leg.lower] = limb_frame(chain.end - chain.middle, chain.hinge) * leg.shank_from_rest;
@@ -292,6 +292,16 @@ impl<'a> Solver<'a> {
         }
         (hip, chain)
     }
+}
+
+/// Where a knee points. Along a leg that reaches straight back (or forwards and up) "forwards" says nothing, and past there
+/// it would say the opposite: there the knee stays square to the body's own left instead.
+fn knee_pole(leg: DVec3, yaw: f64) -> DVec3 {
+    let forwards = DVec3::new(yaw.sin(), 0.25, yaw.cos()).normalize();
+    let axis = leg.normalize_or(DVec3::NEG_Y);
+    let along = smooth3((axis.dot(forwards).abs() - 0.8) / 0.15);
+    let square = axis.cross(DVec3::new(yaw.cos(), 0.0, -yaw.sin())).normalize_or(forwards);
+    (forwards - axis * axis.dot(forwards)).normalize_or(square).lerp(square, along)
 }
 
 /// Draws a swinging ankle in before the leg is straight, so that the knee does not snap: from 88 % of the leg at `soft` 1.

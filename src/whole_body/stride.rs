@@ -8,13 +8,18 @@ use super::reaction::Senses;
 use crate::maths::curve::soft_limit;
 use crate::maths::spring::Spring;
 use crate::model::{Physique, Side};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
 /// rad of the shoulder for each leg length between the feet.
 const ARM_SWING: f64 = 0.34;
 /// rad of the pelvis likewise.
 const PELVIS_TURN: f64 = 0.14;
+/// Of the ground's grade (rad) the chest leans into it, up and down. The line from hips to neck, that has less of it, then
+/// leans forward by 6 to 8 degrees more at 10 degrees up, as people's does, and is about upright going down.
+const INTO_SLOPE: [f64; 2] = [1.0, 0.15];
+/// rad, about what the grade of stairs comes to.
+const STEEPEST: f64 = 0.35;
 /// m/s (reference body), from which on it is a walk and no longer a shuffle.
 const WALKING: f64 = 0.5;
 
@@ -25,6 +30,7 @@ pub struct Stride {
     arms: [Spring; 2],
     elbows: [Spring; 2],
     turn: Spring,
+    grade: Spring,
     fresh: bool,
 }
 
@@ -66,22 +72,39 @@ impl Stride {
             arm.step(swing, TAU * 2.2 / scale, 0.9, dt);
             elbow.step(self.share * 0.06 + 0.8 * swing.max(0.0), TAU * 2.0 / scale, 0.9, dt);
         }
+        let grade = grade(senses, physique, ahead).unwrap_or(self.grade.x);
+        self.grade.step(grade, TAU * 0.6 / scale, 1.0, dt);
+        let into = INTO_SLOPE[usize::from(self.grade.x < 0.0)] * soft_limit(self.grade.x, STEEPEST);
         let forward = senses.wanted.dot(ahead) / pace;
         StrideAngles {
             share: self.share,
             turn: self.turn.x,
             arms: [self.arms[0].x, self.arms[1].x],
             elbows: [self.elbows[0].x, self.elbows[1].x],
-            lean: 0.02 * soft_limit(forward, 2.0) * self.share,
+            lean: (0.02 * soft_limit(forward, 2.0) + into) * self.share,
         }
     }
+}
+
+/// rad, how steeply the ground rises ahead: from foot to foot where both stand far enough apart, else as the soles lie.
+/// `None` where neither tells.
+fn grade(senses: &Senses, physique: &Physique, ahead: DVec2) -> Option<f64> {
+    let along = |point: DVec3| point.x * ahead.x + point.z * ahead.y;
+    let between = senses.feet[0].ankle - senses.feet[1].ankle;
+    let apart = along(between);
+    if senses.planted == [true; 2] && apart.abs() > 0.2 * physique.leg_length {
+        return Some((between.y / apart).atan());
+    }
+    let leaning = Side::BOTH.into_iter().filter(|side| senses.planted[*side as usize]);
+    let normals: DVec3 = leaning.map(|side| senses.feet[side as usize].normal).sum();
+    let leans = along(normals).abs() > 1e-9;
+    leans.then(|| (-along(normals)).atan2(normals.y))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::model::Plant;
-    use glam::DVec3;
 
     fn senses(left_ahead: f64, speed: f64) -> Senses {
         Senses {
@@ -122,5 +145,23 @@ mod tests {
     #[test]
     fn a_stand_with_one_foot_ahead_does_not_swing_its_arms() {
         assert_eq!(settled(0.3, 0.0), StrideAngles { arms: [0.0, 0.0], ..StrideAngles::default() });
+    }
+
+    #[test]
+    fn the_trunk_leans_into_a_rise_and_hardly_back_from_a_fall() {
+        let leaning = |degrees: f64, speed: f64| {
+            let angle = degrees.to_radians();
+            let mut senses = senses(0.6, speed);
+            for foot in &mut senses.feet {
+                foot.ankle.y = foot.ankle.z * angle.tan();
+                foot.normal = DVec3::new(0.0, angle.cos(), -angle.sin());
+            }
+            let mut stride = Stride::default();
+            (0..400).map(|_| stride.tick(&senses, &Physique::REFERENCE, 0.01).lean).fold(0.0, |_, lean| lean)
+        };
+        let more = |degrees: f64| leaning(degrees, 1.2) - leaning(0.0, 1.2);
+        assert!((0.14..0.18).contains(&more(10.0)), "{}", more(10.0));
+        assert!((-0.05..-0.01).contains(&more(-10.0)), "{}", more(-10.0));
+        assert!(more(45.0) < 0.36 && leaning(10.0, 0.0) == 0.0, "{}", more(45.0));
     }
 }

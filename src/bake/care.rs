@@ -1,0 +1,109 @@
+//! Where a leg still steps suddenly from one frame to the next, the passes take more care of it: knees are evened more there.
+//!
+//! The measure of a pop (measure/joints.rs) at a film's rate, a little stricter, on the poses that the present curves give.
+//! Nothing is moved here: [`super::knees`] and [`super::reach`] weigh their evening by it. Seconds, radians.
+
+use super::timeline::Timeline;
+use crate::maths::curve::bump;
+use crate::model::Side;
+use crate::whole_body::solve::Solved;
+use glam::DQuat;
+
+/// Frames a second.
+const FILM: f64 = 30.0;
+/// rad, the least step that can be sudden.
+const SUDDEN: f64 = 3.6 * std::f64::consts::PI / 180.0;
+/// How much larger it is than those two frames before and after.
+const TIMES: f64 = 3.5;
+/// s, before and after a sudden step, in which more care is taken.
+const WIDTH: f64 = 0.15;
+/// The most care.
+const MOST: f64 = 100.0;
+
+/// How much more than elsewhere the legs are evened at each entry of a run: 1 or more.
+#[derive(Clone, Debug)]
+pub struct Care([Vec<f64>; 2]);
+
+impl Care {
+    /// The same everywhere, for so many entries.
+    pub fn new(count: usize) -> Care {
+        Care([vec![1.0; count], vec![1.0; count]])
+    }
+
+    /// Of one leg, an entry each.
+    pub fn of(&self, side: Side) -> &[f64] {
+        &self.0[side as usize]
+    }
+
+    /// Doubles it around every sudden step of a leg's joint; `late`, only of a walker's: what evens a knee there takes the
+    /// balance filter passes to answer, and recoveries have less room for the pressure than for a jerk.
+    pub fn watch(&mut self, timeline: &Timeline, solved: &[Solved], late: bool) {
+        if solved.len() < 2 {
+            return;
+        }
+        for side in Side::BOTH {
+            let leg = &timeline.anatomy.legs[side as usize];
+            for joint in [Some(leg.upper), Some(leg.lower), Some(leg.foot), leg.toe].into_iter().flatten() {
+                let parent = timeline.body.joints[joint].parent.unwrap_or(0);
+                for time in sudden(&turns(solved, parent, joint, timeline)) {
+                    let index = ((time / timeline.dt).round() as usize).min(timeline.walking.len().saturating_sub(1));
+                    if !late || timeline.walking.get(index).is_some_and(|walking| *walking > 0.0) {
+                        self.around(time, side, timeline.dt);
+                    }
+                }
+            }
+        }
+    }
+
+    fn around(&mut self, time: f64, side: Side, dt: f64) {
+        for (index, care) in self.0[side as usize].iter_mut().enumerate() {
+            let off = (index as f64 * dt - time) / WIDTH;
+            if off.abs() < 1.0 {
+                *care = (*care * (1.0 + bump(0.5 + 0.5 * off))).min(MOST);
+            }
+        }
+    }
+}
+
+/// A joint against its parent, frame by frame.
+fn turns(solved: &[Solved], parent: usize, joint: usize, timeline: &Timeline) -> Vec<DQuat> {
+    let local = |at: usize| solved[at].pose.turns[parent].inverse() * solved[at].pose.turns[joint];
+    let frames = (timeline.duration() * FILM).floor() as usize;
+    let turn = |frame: usize| {
+        let place = frame as f64 / FILM / timeline.dt;
+        let at = (place as usize).min(solved.len() - 2);
+        local(at).slerp(local(at + 1), (place - at as f64).min(1.0))
+    };
+    (0..=frames).map(turn).collect()
+}
+
+/// s, the middles of the steps that their neighbours do not explain.
+fn sudden(turns: &[DQuat]) -> Vec<f64> {
+    let steps: Vec<f64> = turns.windows(2).map(|pair| pair[0].angle_between(pair[1])).collect();
+    let at_or = |at: Option<usize>| at.and_then(|at| steps.get(at)).copied().unwrap_or(0.0);
+    let is = |at: &usize| {
+        let around = at_or(at.checked_sub(2)).max(at_or(at.checked_add(2)));
+        steps[*at] > SUDDEN && steps[*at] > TIMES * around
+    };
+    (0..steps.len()).filter(is).map(|at| (at as f64 + 0.5) / FILM).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_turn_within_three_frames_is_sudden_and_the_same_turn_within_six_is_not() {
+        let over = |frames: f64| -> Vec<DQuat> {
+            let angle = |at: i32| 0.3 * crate::maths::curve::smooth3((f64::from(at) - 10.0) / frames);
+            (0..30).map(|at| DQuat::from_rotation_x(angle(at))).collect()
+        };
+        let found = sudden(&over(3.0));
+        assert!(!found.is_empty() && found.iter().all(|time| (time - 11.5 / FILM).abs() < 2.0 / FILM), "{found:?}");
+        assert!(sudden(&over(6.0)).is_empty());
+        let mut care = Care::new(100);
+        care.around(0.5, Side::Left, 0.01);
+        assert!((care.of(Side::Left)[50] - 2.0).abs() < 1e-9 && care.of(Side::Left)[30] == 1.0);
+        assert!(care.of(Side::Right).iter().all(|care| *care == 1.0));
+    }
+}
