@@ -49,6 +49,11 @@ impl Controller {
                 self.swing = None;
                 self.last = Some(swing.side);
                 self.report.steps += 1;
+                // Who lands wide goes on over the foot that landed and brings the other along.
+                let apart = self.sole_middle(figure, Side::Left).distance(self.sole_middle(figure, Side::Right));
+                if apart > self.tuning.wide * self.size {
+                    self.shifting = Some((swing.side.other(), self.time - self.tuning.onwards * self.size.sqrt()));
+                }
             } else {
                 let left = (swing.time - passed).max(0.0);
                 let hull = self.hull(figure);

@@ -25,6 +25,15 @@ const JITTER: f64 = 9.0;
 /// s after a landing until a sole has settled.
 const SETTLED: f64 = 0.06;
 
+/// s and m/s: a bearing foot whose mean speed over that long before and after is higher drags.
+const DRAG_SPAN: f64 = 0.05;
+/// As [`DRAG_SPAN`] says.
+const DRAG_SPEED: f64 = 0.12;
+/// s, a foot that stands for less did not stand.
+const HARDLY: f64 = 0.14;
+/// m, shorter drags are left out: the foot stands in their mean.
+const DRAGGED: f64 = 0.025;
+
 /// The upper body at a tick: what a pose is made of beside its feet and its centre of mass.
 #[derive(Clone, Copy, Debug)]
 pub struct UpperPose {
@@ -301,6 +310,7 @@ impl Record {
         let count = self.ticks.len().max(1) as f64;
         self.help.torque[1] = (self.help.torque[1] / count).sqrt();
         self.help.force[1] = (self.help.force[1] / count).sqrt();
+        self.lift_what_drags(dt);
         let steps = self.steps(dt);
         let upper = smooth(&self.upper, 1.0 / dt);
         let trace = Trace {
@@ -314,6 +324,48 @@ impl Record {
             rest,
         };
         Articulated { trace, upper, help: self.help, peak_torque: self.peak_torque }
+    }
+
+    /// A bearing foot that a stretched leg dragged along is drawn as a step from where the drag began to where it ended.
+    fn lift_what_drags(&mut self, dt: f64) {
+        let count = self.ticks.len();
+        let around = (DRAG_SPAN / dt).round().max(1.0) as usize;
+        let mut drawn = Vec::new();
+        for side in Side::BOTH {
+            let foot = side as usize;
+            let at = |index: usize| self.ticks[index].feet[foot].ankle;
+            let drags = |index: usize| {
+                let (from, to) = (index.saturating_sub(around), (index + around).min(count - 1));
+                (from..=to).all(|index| self.ticks[index].planted[foot])
+                    && (at(to) - at(from)).length() > DRAG_SPEED * (to - from) as f64 * dt
+            };
+            let mut runs: Vec<[usize; 2]> = Vec::new();
+            for index in 0..count {
+                if drags(index) {
+                    match runs.last_mut() {
+                        Some(run) if index <= run[1] + 2 * around => run[1] = index,
+                        _ => runs.push([index, index]),
+                    }
+                }
+            }
+            for [from, to] in runs {
+                let (from, to) = (from.saturating_sub(around), (to + around).min(count - 1));
+                if (at(to) - at(from)).length() > DRAGGED {
+                    drawn.push((side, StepKind::Corrective, from as f64 * dt, to as f64 * dt));
+                }
+            }
+        }
+        self.swings.extend(drawn);
+        self.swings.sort_by(|a, b| a.2.total_cmp(&b.2));
+        // A foot that hardly stood between two swings did not stand.
+        let mut merged: Vec<(Side, StepKind, f64, f64)> = Vec::new();
+        for swing in std::mem::take(&mut self.swings) {
+            match merged.iter_mut().rev().find(|before| before.0 == swing.0) {
+                Some(before) if swing.2 < before.3 + HARDLY => before.3 = before.3.max(swing.3),
+                _ => merged.push(swing),
+            }
+        }
+        self.swings = merged;
     }
 
     /// Steps between the places where the feet stood while they stood.
