@@ -113,7 +113,7 @@ impl Default for Tuning {
             stretch: 0.965,
             at_ease: 0.98,
             inside: 1.0,
-            sink: 0.8,
+            sink: 1.2,
             wide: 0.65,
             onwards: 0.7,
             damping: [0.08, 0.2],
