@@ -71,14 +71,12 @@ pub struct Baked {
 #[derive(Debug, thiserror::Error)]
 pub enum BakeError {
     /// The simulation broke down.
-    #[error(
-        "the simulation broke down at {time:.2} s: {what} is not a finite number. Please report the rig and the scenario"
-    )]
+    #[error("the simulation broke down at {time:.2} s: {what}. Please report the rig and the scenario")]
     BrokeDown {
         /// s.
         time: f64,
-        /// What became infinite.
-        what: &'static str,
+        /// What became infinite, flew away or came apart.
+        what: String,
     },
     /// The articulated body cannot play that yet.
     #[error("the ragdoll cannot play {parts} yet; bake with `--drive stepper`")]

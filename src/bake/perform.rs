@@ -152,12 +152,13 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
         upper: upper_body(ticks, trace.dt, (&physique, &script.physiques), seed, scenario),
         drawn: articulated.as_ref().map_or(Vec::new(), |run| run.run.upper[..count].to_vec()),
         feet: feet::FootCurves::new(body, &physique, &start, &steps, still_until, scale, &terrain),
+        fallen: Vec::new(),
         terrain,
         carried,
         loads,
     };
     let frame = Frame::of(&timeline.terrain);
-    let mut held = contacts::held(&timeline.feet.contacts(timeline.duration()), frame);
+    let mut held = contacts::held(&timeline.feet.contacts(timeline.stands()), frame);
     let gauge = LegAngles::of(body);
     let mut zmp_before_pass = Vec::new();
     let mut care = care::Care::new(count);
@@ -191,9 +192,12 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
     {
         // Who falls leaves the ground under some foot before the pendulum gives up: the clip ends while its contacts hold.
         timeline.cut(held);
-        lost = Some(timeline.duration());
+        lost = Some(timeline.stands());
     }
-    let contacts = timeline.feet.contacts(timeline.duration());
+    if let (Some(driven), true) = (&articulated, lost.is_some_and(|lost| lost <= scenario.duration)) {
+        timeline.fall(&driven.run.poses);
+    }
+    let contacts = timeline.feet.contacts(timeline.stands());
     Ok(Performance { timeline, trace, lost, contacts, pushes, balls, physique, zmp_before_pass, articulated })
 }
 
@@ -323,10 +327,10 @@ fn check(trace: &Trace) -> Result<(), BakeError> {
     for (index, tick) in trace.ticks.iter().enumerate() {
         let time = index as f64 * trace.dt;
         if !tick.com.is_finite() {
-            return Err(BakeError::BrokeDown { time, what: "the centre of mass" });
+            return Err(BakeError::BrokeDown { time, what: "the centre of mass is not a finite number".into() });
         }
         if !tick.feet.iter().all(|foot| foot.ankle.is_finite()) {
-            return Err(BakeError::BrokeDown { time, what: "a foot" });
+            return Err(BakeError::BrokeDown { time, what: "a foot is not at a finite number".into() });
         }
     }
     Ok(())

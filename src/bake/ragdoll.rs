@@ -1,7 +1,7 @@
 //! The articulated body at the wheel: which scenarios it can play, and how much help it gets.
 //!
 //! Its run leaves the stepper's kind of trace; the passes of the bake then lock the feet and keep the balance as they do for
-//! the stepper's. A fall ends the clip where balance is lost. Scenario space, SI.
+//! the stepper's. From where balance is lost on the clip shows the links as they fall. Scenario space, SI.
 
 use super::BakeError;
 use crate::measure::KnownPush;
@@ -86,7 +86,7 @@ pub(super) fn run(
     let terrain = Terrain::new(&scenario.ground);
     let once = |bound: Assist| -> Result<Driven, BakeError> {
         let run = simulate_articulated(body, anatomy, physique, &terrain, options, pushes, bound)
-            .map_err(|broken| BakeError::BrokeDown { time: broken.time, what: "a link of the articulated body" })?;
+            .map_err(|broken| BakeError::BrokeDown { time: broken.time, what: broken.what })?;
         Ok(Driven { run, bound })
     };
     let scale = physique.mass / 89.5;
@@ -101,7 +101,7 @@ pub(super) fn run(
                 }
                 last = Some(driven);
             }
-            last.ok_or(BakeError::BrokeDown { time: 0.0, what: "the articulated body" })
+            last.ok_or(BakeError::BrokeDown { time: 0.0, what: "the articulated body did not move".into() })
         }
     }
 }

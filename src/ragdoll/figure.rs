@@ -22,6 +22,27 @@ pub enum Part {
     Foot(Side),
 }
 
+impl Part {
+    /// For a person.
+    pub fn name(self) -> String {
+        let of = |side: Side, what: &str| match side {
+            Side::Left => format!("left {what}"),
+            Side::Right => format!("right {what}"),
+        };
+        match self {
+            Part::Pelvis => "pelvis".into(),
+            Part::Trunk => "trunk".into(),
+            Part::Head => "head".into(),
+            Part::UpperArm(side) => of(side, "upper arm"),
+            Part::Forearm(side) => of(side, "forearm"),
+            Part::Hand(side) => of(side, "hand"),
+            Part::Thigh(side) => of(side, "thigh"),
+            Part::Shank(side) => of(side, "shank"),
+            Part::Foot(side) => of(side, "foot"),
+        }
+    }
+}
+
 /// How a link may turn against its parent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Freedom {

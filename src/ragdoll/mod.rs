@@ -2,6 +2,7 @@
 
 pub mod control;
 pub mod dynamics;
+pub mod fall;
 pub mod figure;
 mod forces;
 mod ground;

@@ -16,6 +16,11 @@ const BODY: InteractionGroups =
 pub(super) const GROUND: InteractionGroups =
     InteractionGroups::new(Group::GROUP_2, Group::GROUP_1.union(Group::GROUP_3), InteractionTestMode::And);
 
+/// m from the origin, m/s and m of a joint's gap: beyond, the simulation has broken down.
+const FARTHEST: f64 = 100.0;
+const FASTEST: f64 = 100.0;
+const TORN: f64 = 0.05;
+
 /// Where a link is and how it moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkState {
@@ -151,6 +156,30 @@ impl World {
         }));
     }
 
+    /// What is wrong with the links, for a person: a number that is none, a part that flew away, was torn off, or is faster than
+    /// any body; `None` where all is well.
+    pub fn broken(figure: &Figure, states: &[LinkState]) -> Option<String> {
+        for (index, (link, state)) in figure.links.iter().zip(states).enumerate() {
+            let name = link.part.name();
+            let finite = state.origin.is_finite() && state.turn.is_finite();
+            if !finite || !state.velocity.is_finite() || !state.spin.is_finite() {
+                return Some(format!("the place of the {name} is not a finite number"));
+            }
+            if state.origin.length() > FARTHEST {
+                return Some(format!("the {name} left the world ({:.0} m away)", state.origin.length()));
+            }
+            if state.velocity.length() > FASTEST {
+                return Some(format!("the {name} moves at {:.0} m/s", state.velocity.length()));
+            }
+            let joint = link.parent.map(|parent| states[parent].origin + states[parent].turn * link.anchor);
+            let gap = joint.map_or(0.0, |joint| joint.distance(state.origin));
+            if index > 0 && gap > TORN {
+                return Some(format!("the joint of the {name} came apart by {:.0} cm", gap * 100.0));
+            }
+        }
+        None
+    }
+
     /// Sets what the joint of a link does in the next tick.
     pub fn drive(&mut self, figure: &Figure, link: usize, drive: &JointDrive) {
         let frame = self.frames[link];
@@ -171,6 +200,29 @@ impl World {
         }
         for (offset, axis) in axes.iter().enumerate() {
             multibody.damping_mut()[assembly + offset] = damping[*axis] as f32;
+        }
+    }
+
+    /// Sets each axis of a joint apart: a spring towards `ahead` (rad from where it is, the parent's frame) and a damper.
+    pub fn loosen(&mut self, figure: &Figure, link: usize, stiffness: DVec3, damping: DVec3, ahead: DVec3) {
+        let Some(id) = self.physics.multibody_joints.rigid_body_link(self.links[link]).copied() else { return };
+        let Some(multibody) = self.physics.multibody_joints.get_multibody_mut(id.multibody) else { return };
+        let Some(part) = multibody.link_mut(id.id) else { return };
+        let assembly = part.assembly_id();
+        let coords = part.joint.coords();
+        match figure.links[link].freedom {
+            Freedom::Hinge { axis, .. } => {
+                part.joint.set_spring(3, stiffness.x as f32, coords[3] + ahead.dot(axis) as f32);
+                multibody.damping_mut()[assembly] = damping.x as f32;
+            }
+            _ => {
+                for axis in 0..3 {
+                    part.joint.set_spring(3 + axis, stiffness[axis] as f32, coords[3 + axis] + ahead[axis] as f32);
+                }
+                for axis in 0..3 {
+                    multibody.damping_mut()[assembly + axis] = damping[axis] as f32;
+                }
+            }
         }
     }
 
