@@ -21,6 +21,8 @@ use glam::{DQuat, DVec2, DVec3, EulerRot};
 const ITERATIONS: usize = 4;
 /// Share of the standing height under which the centre of mass has fallen (DESIGN, "fallen").
 const FALLEN: f64 = 0.57;
+/// And the share from which on who is falling lets himself fall.
+const GIVES_WAY: f64 = 0.82;
 /// Hz, above which the links' turns are jitter.
 const JITTER: f64 = 9.0;
 /// s after a landing until a sole has settled.
@@ -86,6 +88,27 @@ pub fn simulate_articulated(
     pushes: &[(KnownPush, bool)],
     assist: Assist,
 ) -> Result<Articulated, BrokenBody> {
+    let full = attempt(body, anatomy, physique, terrain, options, pushes, assist, None)?;
+    let Some(_) = full.trace.lost else { return Ok(full) };
+    // Nobody fights until he lies: seen from the end, the joints give way as soon as the body sinks for good.
+    let floor = |tick: &TickState| terrain.spot(DVec2::new(tick.com.x, tick.com.z)).height;
+    let up = |tick: &TickState| tick.com.y - floor(tick) > GIVES_WAY * physique.com_height;
+    let last = full.trace.ticks.iter().rposition(up).unwrap_or(0);
+    attempt(body, anatomy, physique, terrain, options, pushes, assist, Some(last))
+}
+
+/// One run; the joints give way at that tick, or where it has fallen.
+#[expect(clippy::too_many_arguments, reason = "one run")]
+fn attempt(
+    body: &Body,
+    anatomy: &Anatomy,
+    physique: &Physique,
+    terrain: &Terrain,
+    options: &SimulateOptions,
+    pushes: &[(KnownPush, bool)],
+    assist: Assist,
+    gives_way: Option<usize>,
+) -> Result<Articulated, BrokenBody> {
     let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
     let target = stand::stand_target(body, &plants, DVec3::Y * physique.com_height, 0.0);
     let standing = Solver::new(body, anatomy).solve(&target).pose;
@@ -129,7 +152,8 @@ pub fn simulate_articulated(
         let (_, _, _, arms) = upper_turns(&angles);
         run.pose_arms(&figure, &arms);
         rest = if run.control.swing.is_none() && report.velocity.length() < 0.05 { rest + options.dt } else { 0.0 };
-        if report.com.y < FALLEN * physique.com_height + terrain.spot(DVec2::new(report.com.x, report.com.z)).height {
+        let over = report.com.y - terrain.spot(DVec2::new(report.com.x, report.com.z)).height;
+        if gives_way == Some(tick) || over < FALLEN * physique.com_height {
             lost = Some(time);
             run.fall(&figure, terrain, tick, &mut poses)?;
             break;
