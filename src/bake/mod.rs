@@ -127,7 +127,10 @@ pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Bak
     let (report, findings, warnings) = report::report(&input);
     let mut props = props::ground(&performance.timeline);
     props.extend(carried::props(&performance.timeline));
-    props.extend(throws::props(&performance.timeline, &performance.balls));
+    props.extend(match &performance.articulated {
+        Some(driven) => throws::flown(&performance.timeline, &driven.run.balls, &performance.balls),
+        None => throws::props(&performance.timeline, &performance.balls),
+    });
     Ok(Baked { clip, report, performance, findings, props, warnings })
 }
 

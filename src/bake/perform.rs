@@ -78,7 +78,8 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
     let mut pushes = known_pushes(body, scenario);
     let mut trace = run(body, &anatomy, &physique, &script, &options, &pushes);
     let mut balls = Vec::new();
-    for toss in throws::tosses(scenario, seed) {
+    let tosses = throws::tosses(scenario, seed);
+    for toss in tosses.iter().filter(|_| drive == Drive::Stepper) {
         let index = (toss.arrives / trace.dt).round() as usize;
         let Some(tick) = trace.ticks.get(index) else { break };
         let measures = script.physiques.get(index).unwrap_or(&physique);
@@ -106,7 +107,7 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
     let articulated = match drive {
         Drive::Stepper => None,
         Drive::Ragdoll(assist) => {
-            Some(ragdoll::run(body, &anatomy, &physique, scenario, &options, &pushes, assist)?)
+            Some(ragdoll::run(body, &anatomy, &physique, scenario, &options, &pushes, &tosses, assist)?)
         }
     };
     if let Some(articulated) = &articulated {
@@ -114,7 +115,13 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
     }
     check(&trace)?;
     let acted = pushes.iter().zip(&trace.pushes);
-    let pushes: Vec<KnownPush> = acted.map(|((push, _), acted)| KnownPush { force: acted.force, ..*push }).collect();
+    let mut pushes: Vec<KnownPush> =
+        acted.map(|((push, _), acted)| KnownPush { force: acted.force, ..*push }).collect();
+    if let Some(driven) = &articulated {
+        balls = driven.balls();
+        pushes.extend(balls.iter().filter_map(|ball| ball.hit).map(|hit| hit.push));
+        pushes.sort_by(|a, b| a.start.total_cmp(&b.start));
+    }
     let scale = (physique.com_height / 0.96).sqrt();
     let count = ((scenario.duration / trace.dt).round() as usize + 1).min(trace.ticks.len());
     let ticks = &trace.ticks[..count];

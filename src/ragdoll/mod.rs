@@ -11,6 +11,7 @@ pub mod plan;
 mod stepping;
 mod swing;
 mod tasks;
+pub mod things;
 pub mod tuning;
 pub mod world;
 

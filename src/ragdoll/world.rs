@@ -5,6 +5,7 @@
 
 use super::figure::{Figure, Freedom, Part};
 use super::ground;
+use super::things::Sphere;
 use crate::model::{Side, Terrain};
 use glam::{DMat3, DQuat, DVec3};
 use rapier3d::prelude::*;
@@ -18,7 +19,7 @@ pub(super) const GROUND: InteractionGroups =
 
 /// m from the origin, m/s and m of a joint's gap: beyond, the simulation has broken down.
 const FARTHEST: f64 = 100.0;
-const FASTEST: f64 = 100.0;
+pub(super) const FASTEST: f64 = 100.0;
 const TORN: f64 = 0.05;
 
 /// Where a link is and how it moves.
@@ -52,8 +53,9 @@ pub struct World {
     pub(super) physics: PhysicsWorld,
     /// s, length of a tick.
     pub dt: f64,
-    links: Vec<RigidBodyHandle>,
-    boxes: Vec<ColliderHandle>,
+    pub(super) links: Vec<RigidBodyHandle>,
+    pub(super) boxes: Vec<ColliderHandle>,
+    pub(super) spheres: Vec<Sphere>,
     frames: Vec<DQuat>, // a hinge's frame: its axis as x
     ground: Vec<ground::Piece>,
     root: MultibodyJointHandle,
@@ -100,7 +102,7 @@ impl World {
         }
         let ground = ground::build(&mut physics, terrain, GROUND);
         let root = root.unwrap_or(MultibodyJointHandle::invalid());
-        let mut world = World { physics, dt, links, boxes, frames, ground, root };
+        let mut world = World { physics, dt, links, boxes, spheres: Vec::new(), frames, ground, root };
         world.place(figure, placed);
         // Masses are known after a step: one that moves nothing.
         world.physics.integration_parameters.dt = 1e-6;
@@ -248,11 +250,16 @@ impl World {
         self.physics.step();
     }
 
-    /// N s, what pressed on a link's box from outside in the last tick.
+    /// N s, what the ground pressed on a link's box in the last tick.
     pub fn pressed(&self, link: usize) -> f64 {
+        let still = |handle: ColliderHandle| {
+            let groups = self.physics.colliders.get(handle).map(|collider| collider.collision_groups().memberships);
+            groups.is_some_and(|groups| groups.contains(Group::GROUP_2))
+        };
         self.physics
             .narrow_phase
             .contact_pairs_with(self.boxes[link])
+            .filter(|pair| still(pair.collider1) || still(pair.collider2))
             .map(|pair| f64::from(pair.total_impulse_magnitude()))
             .sum()
     }

@@ -4,6 +4,7 @@
 //! their joints let them. It stands, sways and steps; where balance is lost the joints give way and it falls until it lies.
 //! It does not walk yet. What breaks down is caught in the tick in which it does.
 
+use super::balls::{Balls, Flown, Incoming};
 use super::{SessionPush, SimulateOptions, TickState, Trace};
 use crate::maths::filter::zero_lag;
 use crate::maths::quat::{rotation_vector, yaw_of};
@@ -66,6 +67,8 @@ pub struct Articulated {
     pub peak_torque: f64,
     /// The body as the links stand, one a tick and on through the fall; empty where there is none.
     pub poses: Vec<BodyPose>,
+    /// The balls that were thrown.
+    pub balls: Vec<Flown>,
 }
 
 /// Why there is no run.
@@ -88,13 +91,28 @@ pub fn simulate_articulated(
     pushes: &[(KnownPush, bool)],
     assist: Assist,
 ) -> Result<Articulated, BrokenBody> {
-    let full = attempt(body, anatomy, physique, terrain, options, pushes, assist, None)?;
+    simulate_with(body, anatomy, physique, terrain, options, pushes, assist, &[])
+}
+
+/// The same with balls that come at it.
+#[expect(clippy::too_many_arguments, reason = "all that a run depends on")]
+pub fn simulate_with(
+    body: &Body,
+    anatomy: &Anatomy,
+    physique: &Physique,
+    terrain: &Terrain,
+    options: &SimulateOptions,
+    pushes: &[(KnownPush, bool)],
+    assist: Assist,
+    incoming: &[Incoming],
+) -> Result<Articulated, BrokenBody> {
+    let full = attempt(body, anatomy, physique, terrain, options, pushes, assist, incoming, None)?;
     let Some(_) = full.trace.lost else { return Ok(full) };
     // Nobody fights until he lies: seen from the end, the joints give way as soon as the body sinks for good.
     let floor = |tick: &TickState| terrain.spot(DVec2::new(tick.com.x, tick.com.z)).height;
     let up = |tick: &TickState| tick.com.y - floor(tick) > GIVES_WAY * physique.com_height;
     let last = full.trace.ticks.iter().rposition(up).unwrap_or(0);
-    attempt(body, anatomy, physique, terrain, options, pushes, assist, Some(last))
+    attempt(body, anatomy, physique, terrain, options, pushes, assist, incoming, Some(last))
 }
 
 /// One run; the joints give way at that tick, or where it has fallen.
@@ -107,6 +125,7 @@ fn attempt(
     options: &SimulateOptions,
     pushes: &[(KnownPush, bool)],
     assist: Assist,
+    incoming: &[Incoming],
     gives_way: Option<usize>,
 ) -> Result<Articulated, BrokenBody> {
     let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
@@ -146,6 +165,8 @@ fn attempt(
             push.turns = false;
         }
         let (force, moment) = run.push(&figure, body, &acting, pushes, time, report.com);
+        let (hit, hit_moment) = run.balls.felt(report.com, options.dt);
+        let (force, moment) = (force + hit, moment + hit_moment);
         record.tick(&figure, &run.control, &report, (force, moment), physique, time);
         let state = record.ticks.last().expect("just recorded");
         let angles = reaction.tick(&senses(state), options.dt);
@@ -155,15 +176,18 @@ fn attempt(
         let over = report.com.y - terrain.spot(DVec2::new(report.com.x, report.com.z)).height;
         if gives_way == Some(tick) || over < FALLEN * physique.com_height {
             lost = Some(time);
-            run.fall(&figure, terrain, tick, &mut poses)?;
+            run.fall(&figure, body, terrain, tick, &mut poses)?;
             break;
         }
+        run.balls.launch(&figure, body, incoming, &run.states, &mut run.world, (time, facing, report.velocity));
         run.step(&figure, terrain, time)?;
+        run.balls.watch(&figure, body, &run.states, &run.world, time + options.dt);
     }
     if lost.is_none() {
         poses.clear();
     }
-    Ok(Articulated { poses, ..record.finish(options.dt, acting, lost, rest, &figure) })
+    let balls = run.balls.finish();
+    Ok(Articulated { poses, balls, ..record.finish(options.dt, acting, lost, rest, &figure) })
 }
 
 fn pose_of(figure: &Figure, states: &[LinkState]) -> BodyPose {
@@ -176,6 +200,7 @@ struct Run {
     world: World,
     control: Controller,
     states: Vec<LinkState>,
+    balls: Balls,
 }
 
 impl Run {
@@ -183,7 +208,7 @@ impl Run {
         let world = World::new(figure, &figure.placed(body, standing), terrain, dt, ITERATIONS);
         let control = Controller::new(figure, &world, Tuning::default());
         let states = control.states().to_vec();
-        Run { world, control, states }
+        Run { world, control, states, balls: Balls::default() }
     }
 
     /// One tick of the world from `time` on, and a look at whether it still holds together.
@@ -191,7 +216,7 @@ impl Run {
         let after = time + self.world.dt;
         self.world.step(terrain, after);
         self.world.read(&mut self.states);
-        match World::broken(figure, &self.states) {
+        match World::broken(figure, &self.states).or_else(|| self.world.broken_ball()) {
             Some(what) => Err(BrokenBody { time: after, what }),
             None => Ok(()),
         }
@@ -201,6 +226,7 @@ impl Run {
     fn fall(
         &mut self,
         figure: &Figure,
+        body: &Body,
         terrain: &Terrain,
         tick: usize,
         poses: &mut Vec<BodyPose>,
@@ -213,6 +239,7 @@ impl Run {
             self.world.clear_forces();
             fall::relax(figure, &mut self.world, &self.states, fallen as f64 * dt);
             self.step(figure, terrain, (tick + fallen) as f64 * dt)?;
+            self.balls.watch(figure, body, &self.states, &self.world, (tick + fallen + 1) as f64 * dt);
             poses.push(pose_of(figure, &self.states));
             let fastest = self.states.iter().map(|state| state.velocity.length()).fold(0.0, f64::max);
             lies = if fastest < LIES.1 { lies + dt } else { 0.0 };
@@ -392,7 +419,7 @@ impl Record {
             lost,
             rest,
         };
-        Articulated { trace, upper, help: self.help, peak_torque: self.peak_torque, poses: Vec::new() }
+        Articulated { trace, upper, help: self.help, peak_torque: self.peak_torque, poses: Vec::new(), balls: Vec::new() }
     }
 
     /// Steps between the places where the feet stood while they stood.
