@@ -71,14 +71,12 @@ pub struct Baked {
 #[derive(Debug, thiserror::Error)]
 pub enum BakeError {
     /// The simulation broke down.
-    #[error(
-        "the simulation broke down at {time:.2} s: {what} is not a finite number. Please report the rig and the scenario"
-    )]
+    #[error("the simulation broke down at {time:.2} s: {what}. Please report the rig and the scenario")]
     BrokeDown {
         /// s.
         time: f64,
-        /// What became infinite.
-        what: &'static str,
+        /// What became infinite, flew away or came apart.
+        what: String,
     },
     /// The articulated body cannot play that yet.
     #[error("the ragdoll cannot play {parts} yet; bake with `--drive stepper`")]
@@ -129,7 +127,10 @@ pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Bak
     let (report, findings, warnings) = report::report(&input);
     let mut props = props::ground(&performance.timeline);
     props.extend(carried::props(&performance.timeline));
-    props.extend(throws::props(&performance.timeline, &performance.balls));
+    props.extend(match &performance.articulated {
+        Some(driven) => throws::flown(&performance.timeline, &driven.run.balls, &performance.balls),
+        None => throws::props(&performance.timeline, &performance.balls),
+    });
     Ok(Baked { clip, report, performance, findings, props, warnings })
 }
 

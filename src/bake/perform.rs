@@ -78,7 +78,8 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
     let mut pushes = known_pushes(body, scenario);
     let mut trace = run(body, &anatomy, &physique, &script, &options, &pushes);
     let mut balls = Vec::new();
-    for toss in throws::tosses(scenario, seed) {
+    let tosses = throws::tosses(scenario, seed);
+    for toss in tosses.iter().filter(|_| drive == Drive::Stepper) {
         let index = (toss.arrives / trace.dt).round() as usize;
         let Some(tick) = trace.ticks.get(index) else { break };
         let measures = script.physiques.get(index).unwrap_or(&physique);
@@ -106,7 +107,7 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
     let articulated = match drive {
         Drive::Stepper => None,
         Drive::Ragdoll(assist) => {
-            Some(ragdoll::run(body, &anatomy, &physique, scenario, &options, &pushes, assist)?)
+            Some(ragdoll::run(body, &anatomy, &physique, scenario, &options, &pushes, &tosses, assist)?)
         }
     };
     if let Some(articulated) = &articulated {
@@ -114,7 +115,13 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
     }
     check(&trace)?;
     let acted = pushes.iter().zip(&trace.pushes);
-    let pushes: Vec<KnownPush> = acted.map(|((push, _), acted)| KnownPush { force: acted.force, ..*push }).collect();
+    let mut pushes: Vec<KnownPush> =
+        acted.map(|((push, _), acted)| KnownPush { force: acted.force, ..*push }).collect();
+    if let Some(driven) = &articulated {
+        balls = driven.balls();
+        pushes.extend(balls.iter().filter_map(|ball| ball.hit).map(|hit| hit.push));
+        pushes.sort_by(|a, b| a.start.total_cmp(&b.start));
+    }
     let scale = (physique.com_height / 0.96).sqrt();
     let count = ((scenario.duration / trace.dt).round() as usize + 1).min(trace.ticks.len());
     let ticks = &trace.ticks[..count];
@@ -152,12 +159,13 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
         upper: upper_body(ticks, trace.dt, (&physique, &script.physiques), seed, scenario),
         drawn: articulated.as_ref().map_or(Vec::new(), |run| run.run.upper[..count].to_vec()),
         feet: feet::FootCurves::new(body, &physique, &start, &steps, still_until, scale, &terrain),
+        fallen: Vec::new(),
         terrain,
         carried,
         loads,
     };
     let frame = Frame::of(&timeline.terrain);
-    let mut held = contacts::held(&timeline.feet.contacts(timeline.duration()), frame);
+    let mut held = contacts::held(&timeline.feet.contacts(timeline.stands()), frame);
     let gauge = LegAngles::of(body);
     let mut zmp_before_pass = Vec::new();
     let mut care = care::Care::new(count);
@@ -191,9 +199,12 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
     {
         // Who falls leaves the ground under some foot before the pendulum gives up: the clip ends while its contacts hold.
         timeline.cut(held);
-        lost = Some(timeline.duration());
+        lost = Some(timeline.stands());
     }
-    let contacts = timeline.feet.contacts(timeline.duration());
+    if let (Some(driven), true) = (&articulated, lost.is_some_and(|lost| lost <= scenario.duration)) {
+        timeline.fall(&driven.run.poses);
+    }
+    let contacts = timeline.feet.contacts(timeline.stands());
     Ok(Performance { timeline, trace, lost, contacts, pushes, balls, physique, zmp_before_pass, articulated })
 }
 
@@ -323,10 +334,10 @@ fn check(trace: &Trace) -> Result<(), BakeError> {
     for (index, tick) in trace.ticks.iter().enumerate() {
         let time = index as f64 * trace.dt;
         if !tick.com.is_finite() {
-            return Err(BakeError::BrokeDown { time, what: "the centre of mass" });
+            return Err(BakeError::BrokeDown { time, what: "the centre of mass is not a finite number".into() });
         }
         if !tick.feet.iter().all(|foot| foot.ankle.is_finite()) {
-            return Err(BakeError::BrokeDown { time, what: "a foot" });
+            return Err(BakeError::BrokeDown { time, what: "a foot is not at a finite number".into() });
         }
     }
     Ok(())

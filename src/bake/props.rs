@@ -50,6 +50,10 @@ fn travelled(timeline: &Timeline) -> Patch {
             high = high.max(DVec2::new(point.x, point.z));
         }
     }
+    for pose in &timeline.fallen {
+        low = low.min(DVec2::new(pose.hips.x, pose.hips.z));
+        high = high.max(DVec2::new(pose.hips.x, pose.hips.z));
+    }
     if !(low + high).is_finite() {
         (low, high) = (DVec2::ZERO, DVec2::ZERO);
     }

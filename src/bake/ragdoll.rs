@@ -1,15 +1,17 @@
 //! The articulated body at the wheel: which scenarios it can play, and how much help it gets.
 //!
 //! Its run leaves the stepper's kind of trace; the passes of the bake then lock the feet and keep the balance as they do for
-//! the stepper's. A fall ends the clip where balance is lost. Scenario space, SI.
+//! the stepper's. From where balance is lost on the clip shows the links as they fall. Scenario space, SI.
 
 use super::BakeError;
-use crate::measure::KnownPush;
+use super::throws::{Ball, Hit, Toss};
+use crate::measure::{KnownPush, PushPoint};
 use crate::model::scenario::{GroundKind, Scenario};
 use crate::model::{Body, Physique, Terrain};
 use crate::ragdoll::control::Assist;
-use crate::sim::{Articulated, SimulateOptions, simulate_articulated};
-use crate::whole_body::Anatomy;
+use crate::sim::{Articulated, Incoming, SimulateOptions, simulate_with};
+use crate::whole_body::{Anatomy, Solver, stand};
+use glam::DVec3;
 
 /// Who moves the body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -63,7 +65,6 @@ pub fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
     part(!scenario.turn.is_empty(), "[[turn]]");
     part(!scenario.crouch.is_empty() || scenario.character.crouch > 0.0, "crouch");
     part(!scenario.stand.is_empty(), "[[stand]]");
-    part(!scenario.throw.is_empty(), "[[throw]]");
     part(!scenario.carry.is_empty(), "[[carry]]");
     part(scenario.ground.kind != GroundKind::Flat, "ground that is not flat");
     parts
@@ -77,6 +78,7 @@ pub(super) fn run(
     scenario: &Scenario,
     options: &SimulateOptions,
     pushes: &[(KnownPush, bool)],
+    tosses: &[Toss],
     helped: Helped,
 ) -> Result<Driven, BakeError> {
     let unplayed = unplayed(scenario);
@@ -84,9 +86,23 @@ pub(super) fn run(
         return Err(BakeError::Unplayed { parts: unplayed.join(", ") });
     }
     let terrain = Terrain::new(&scenario.ground);
+    let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
+    let target = stand::stand_target(body, &plants, DVec3::Y * physique.com_height, 0.0);
+    let standing = Solver::new(body, anatomy).solve(&target).pose;
+    let positions = standing.positions(body);
+    let ways: Vec<_> = tosses.iter().map(|toss| |aim: DVec3, facing: f64| toss.way(aim, facing)).collect();
+    let incoming: Vec<Incoming> = tosses
+        .iter()
+        .zip(&ways)
+        .map(|(toss, way)| {
+            let (joint, aim) = toss.aimed(body, &standing);
+            let at = (joint, aim - positions[joint]);
+            Incoming { arrives: toss.arrives, radius: toss.radius(), mass: toss.mass(), at, way }
+        })
+        .collect();
     let once = |bound: Assist| -> Result<Driven, BakeError> {
-        let run = simulate_articulated(body, anatomy, physique, &terrain, options, pushes, bound)
-            .map_err(|broken| BakeError::BrokeDown { time: broken.time, what: "a link of the articulated body" })?;
+        let run = simulate_with(body, anatomy, physique, &terrain, options, pushes, bound, &incoming)
+            .map_err(|broken| BakeError::BrokeDown { time: broken.time, what: broken.what })?;
         Ok(Driven { run, bound })
     };
     let scale = physique.mass / 89.5;
@@ -101,7 +117,30 @@ pub(super) fn run(
                 }
                 last = Some(driven);
             }
-            last.ok_or(BakeError::BrokeDown { time: 0.0, what: "the articulated body" })
+            last.ok_or(BakeError::BrokeDown { time: 0.0, what: "the articulated body did not move".into() })
         }
+    }
+}
+
+impl Driven {
+    /// Its balls as the report takes them, one for each hit and one for each that missed.
+    pub fn balls(&self) -> Vec<Ball> {
+        let mut balls = Vec::new();
+        for flown in &self.run.balls {
+            let Some((time, place, _)) = flown.way.first().copied() else { continue };
+            let ball =
+                Ball { radius: flown.radius, mass: flown.mass, time, place, velocity: flown.velocity, hit: None };
+            if flown.hits.is_empty() {
+                balls.push(ball);
+            }
+            balls.extend(flown.hits.iter().map(|hit| {
+                let [start, end] = hit.span;
+                let (joint, at) = hit.at;
+                let push =
+                    KnownPush { start, end, force: hit.impulse / (end - start), at: PushPoint::Segment(joint, at) };
+                Ball { hit: Some(Hit { push, impulse: hit.impulse, joint, point: hit.point }), ..ball }
+            }));
+        }
+        balls
     }
 }

@@ -38,8 +38,13 @@ pub struct ReportInput<'a> {
 pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>) {
     let performance = input.performance;
     let body = &performance.timeline.body;
-    let poses = read_back(input);
+    let mut poses = read_back(input);
     let hz = input.clip.fps * PER_FRAME as f64;
+    // Who falls is measured while the feet carry.
+    let falls = !performance.timeline.fallen.is_empty();
+    if falls {
+        poses.truncate(((performance.timeline.stands() * hz).floor() as usize + 1).max(5));
+    }
     let motion = Motion { body, hz, per_frame: PER_FRAME, poses: &poses };
     let terrain = &performance.timeline.terrain;
     let held = contacts::held(&performance.contacts, Frame::of(terrain));
@@ -50,6 +55,10 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
     let mut plausibility = findings.as_ref().map_or_else(Plausibility::default, Findings::plausibility);
     if input.root == RootMotion::InPlace {
         plausibility.notes.push("measured with the travel that in-place leaves out".into());
+    }
+    if falls {
+        let lost = performance.timeline.stands();
+        plausibility.notes.push(format!("measured until balance is lost at {lost:.2} s"));
     }
     let footless = footless(body, findings.as_ref());
     plausibility.notes.extend(footless.clone());
@@ -237,9 +246,13 @@ fn warnings(input: &ReportInput, outcome: Outcome) -> Vec<String> {
     let trace = &input.performance.trace;
     if outcome == Outcome::Fall {
         let lost = input.performance.lost.unwrap_or(input.clip.duration);
-        warnings.push(format!(
-            "balance is lost at {lost:.2} s and the clip ends there: falls need the articulated body, which this version lacks. A weaker push or a higher agility stays up"
-        ));
+        warnings.push(if input.performance.articulated.is_some() {
+            format!("balance is lost at {lost:.2} s and the character falls. A weaker push or more --assist stays up")
+        } else {
+            format!(
+                "balance is lost at {lost:.2} s and the clip ends there: who is to fall needs `--drive ragdoll`. A weaker push or a higher agility stays up"
+            )
+        });
     } else if trace.ticks.len() > input.performance.timeline.com.len() {
         let needed = (trace.ticks.len() - 1) as f64 * trace.dt;
         warnings.push(format!(

@@ -9,11 +9,13 @@
 use super::carried::hide_beyond;
 use super::perform::nearest_joint;
 use super::timeline::Timeline;
+use crate::maths::curve::smooth3;
 use crate::maths::seed::Seed;
 use crate::measure::{GRAVITY, KnownPush, PushPoint};
 use crate::model::props::{Prop, PropKey, Shape};
 use crate::model::scenario::{Scenario, Throw};
 use crate::model::{Body, BodyPose, Load, Role, Side, Terrain};
+use crate::sim::Flown;
 use glam::{DQuat, DVec2, DVec3};
 use std::f64::consts::PI;
 
@@ -128,19 +130,27 @@ pub fn tosses(scenario: &Scenario, seed: u64) -> Vec<Toss> {
 }
 
 impl Toss {
-    /// Its flight against the body as it stands when the ball arrives.
-    pub fn meet(&self, standing: &Standing) -> Ball {
-        let Standing { body, pose, .. } = standing;
-        let positions = pose.positions(body);
-        let mut capsules = capsules(body, pose, &positions);
-        capsules.extend(standing.load.map(|load| boxed(load, pose, &positions)));
+    /// m.
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// kg.
+    pub fn mass(&self) -> f64 {
+        self.throw.density * 4.0 / 3.0 * PI * self.radius.powi(3)
+    }
+
+    /// The joint that it is aimed at, and the middle of that bone's flesh in a pose (m).
+    pub fn aimed(&self, body: &Body, pose: &BodyPose) -> (usize, DVec3) {
         let joint = nearest_joint(body, self.throw.at);
-        // Aimed at the middle of the bone's flesh.
-        let aim = capsules
-            .iter()
-            .find(|capsule| capsule.joint == joint)
-            .map_or(positions[joint], |capsule| (capsule.ends[0] + capsule.ends[1]) * 0.5);
-        let towards = DQuat::from_rotation_y(self.yaw) * -self.throw.from.unit(standing.facing);
+        let positions = pose.positions(body);
+        let own = capsules(body, pose, &positions).into_iter().find(|capsule| capsule.joint == joint);
+        (joint, own.map_or(positions[joint], |capsule| (capsule.ends[0] + capsule.ends[1]) * 0.5))
+    }
+
+    /// Place (m) and velocity (m/s) on arrival, of a ball that is aimed at `aim` on a character that faces `facing` (rad).
+    pub fn way(&self, aim: DVec3, facing: f64) -> (DVec3, DVec3) {
+        let towards = DQuat::from_rotation_y(self.yaw) * -self.throw.from.unit(facing);
         let flat = DVec3::new(towards.x, 0.0, towards.z).try_normalize();
         let speed = self.throw.speed;
         let velocity = match flat {
@@ -155,8 +165,19 @@ impl Toss {
         };
         let way = velocity.normalize_or(DVec3::NEG_Y);
         let across = way.cross(DVec3::Y).try_normalize().unwrap_or(DVec3::X);
-        let aim = aim + across * self.spread.x + across.cross(way) * self.spread.y;
-        let mass = self.throw.density * 4.0 / 3.0 * PI * self.radius.powi(3);
+        (aim + across * self.spread.x + across.cross(way) * self.spread.y, velocity)
+    }
+
+    /// Its flight against the body as it stands when the ball arrives.
+    pub fn meet(&self, standing: &Standing) -> Ball {
+        let Standing { body, pose, .. } = standing;
+        let positions = pose.positions(body);
+        let mut capsules = capsules(body, pose, &positions);
+        capsules.extend(standing.load.map(|load| boxed(load, pose, &positions)));
+        let aim = self.aimed(body, pose).1;
+        let (aim, velocity) = self.way(aim, standing.facing);
+        let way = velocity.normalize_or(DVec3::NEG_Y);
+        let mass = self.mass();
         let mut ball = Ball { radius: self.radius, mass, time: self.arrives, place: aim, velocity, hit: None };
         let body_at = |time: f64| standing.velocity * (time - self.arrives);
         let steps = (2.0 * AROUND / STEP) as usize;
@@ -275,6 +296,47 @@ pub fn props(timeline: &Timeline, balls: &[Ball]) -> Vec<Prop> {
         })
         .filter(|prop| !prop.keys.is_empty())
         .collect()
+}
+
+/// The balls of an articulated run as things to see, where the engine had them; a little to the side where the clip's body
+/// stands beside the engine's.
+pub fn flown(timeline: &Timeline, flown: &[Flown], balls: &[Ball]) -> Vec<Prop> {
+    let duration = timeline.duration();
+    let one = |(index, flown): (usize, &Flown)| {
+        let (time, place, _) = *flown.way.first()?;
+        let hit = flown.hits.first().map(|hit| hit.span[0]);
+        let ball = balls.iter().find(|ball| ball.hit.is_some_and(|own| Some(own.push.start) == hit));
+        let shift = ball.map_or(DVec3::ZERO, |ball| shift(timeline, ball));
+        let met = hit.unwrap_or(f64::INFINITY);
+        let beside = |at: f64| shift * (1.0 - smooth3((at - met) / 0.3));
+        let key = |time: f64, translation: DVec3, rotation: DQuat| PropKey {
+            time,
+            translation: translation + beside(time),
+            rotation,
+            ..PropKey::default()
+        };
+        let seen = (SEEN.0 / flown.velocity.length().max(0.1)).min(SEEN.1);
+        let from = (met.min(time + 0.15) - seen).clamp(0.0, time);
+        let before = ((time - from) / KEYS).floor() as usize;
+        let mut keys: Vec<PropKey> = (1..=before)
+            .rev()
+            .map(|step| {
+                let at = time - KEYS * step as f64;
+                key(at, flight(place, flown.velocity, at - time).0, DQuat::IDENTITY)
+            })
+            .collect();
+        let mut due = time;
+        for (at, place, turn) in flown.way.iter().filter(|(at, ..)| *at <= duration) {
+            // Every tick about the hit, else as often as the eye needs.
+            if *at + 1e-9 >= due || (*at - met).abs() < 0.03 {
+                keys.push(key(*at, *place, *turn));
+                due = at + KEYS;
+            }
+        }
+        hide_beyond(&mut keys, duration);
+        Some(Prop { keys, ..Prop::standing(&format!("ball_{}", index + 1), Shape::Ball(flown.radius), RUBBER) })
+    };
+    flown.iter().enumerate().filter_map(one).filter(|prop| prop.keys.len() > 1).collect()
 }
 
 /// m, from where the body was thought to be met to where the performed one is.

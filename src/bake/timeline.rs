@@ -5,13 +5,17 @@
 
 use super::carried::{self, Carried};
 use super::feet::FootCurves;
-use crate::maths::curve::sample;
+use crate::maths::curve::{sample, smooth3};
+use crate::maths::quat::rotation_vector;
 use crate::model::{Body, BodyPose, Load, Side, Terrain};
 use crate::sim::articulated::UpperPose;
 use crate::whole_body::reaction::{UPPER, UpperAngles, upper_turns};
 use crate::whole_body::solve::Solved;
 use crate::whole_body::{Anatomy, ArmAngles, FootTarget, PoseTarget, Solver};
 use glam::{DQuat, DVec3};
+
+/// s, in which a fall's poses are joined to those before.
+const JOINED: f64 = 0.25;
 
 /// Everything that a pose is made of, over the run.
 #[derive(Clone, Debug)]
@@ -42,6 +46,8 @@ pub struct Timeline {
     pub upper: Vec<UpperAngles>,
     /// Upper body and pelvis as an articulated body moved them, instead of `upper`; empty where none did.
     pub drawn: Vec<UpperPose>,
+    /// Poses after the last entry, `dt` apart, of a body that falls; empty where none does.
+    pub fallen: Vec<BodyPose>,
     /// Both feet.
     pub feet: FootCurves,
     /// What they stand on.
@@ -53,9 +59,37 @@ pub struct Timeline {
 }
 
 impl Timeline {
-    /// s, the time of the last entry.
+    /// s, the end of it all.
     pub fn duration(&self) -> f64 {
+        self.stands() + self.fallen.len() as f64 * self.dt
+    }
+
+    /// s, the time of the last entry of the series: from there on it falls, or ends.
+    pub fn stands(&self) -> f64 {
         (self.com.len() - 1) as f64 * self.dt
+    }
+
+    /// Goes on after the last entry as an articulated body falls, whose poses stand on the same times from 0 on: what the two
+    /// differ by where they meet is let go within a moment.
+    pub fn fall(&mut self, poses: &[BodyPose]) {
+        let last = self.com.len() - 1;
+        let Some(met) = poses.get(last) else { return };
+        let pose = self.pose_at(self.stands());
+        let hips = pose.hips - met.hips;
+        let turns: Vec<DVec3> =
+            pose.turns.iter().zip(&met.turns).map(|(drawn, real)| rotation_vector(*drawn * real.inverse())).collect();
+        self.fallen = poses[last + 1..]
+            .iter()
+            .enumerate()
+            .map(|(index, real)| {
+                let left = 1.0 - smooth3((index + 1) as f64 * self.dt / JOINED);
+                let turn = |(real, by): (&DQuat, &DVec3)| (DQuat::from_scaled_axis(*by * left) * *real).normalize();
+                BodyPose {
+                    hips: real.hips + hips * left,
+                    turns: real.turns.iter().zip(&turns).map(turn).collect(),
+                }
+            })
+            .collect();
     }
 
     /// Ends it at an entry.
@@ -99,6 +133,20 @@ impl Timeline {
 
     /// The pose at any time.
     pub fn pose_at(&self, time: f64) -> BodyPose {
+        let past = (time - self.stands()) / self.dt;
+        if let (Some(last), true) = (self.fallen.len().checked_sub(1), past > 1e-9) {
+            let index = (past.ceil() as usize - 1).min(last);
+            let share = (past - index as f64).clamp(0.0, 1.0);
+            let to = &self.fallen[index];
+            let from = match index.checked_sub(1) {
+                Some(before) => self.fallen[before].clone(),
+                None => self.pose_at(self.stands()),
+            };
+            return BodyPose {
+                hips: from.hips.lerp(to.hips, share),
+                turns: from.turns.iter().zip(&to.turns).map(|(from, to)| from.slerp(*to, share)).collect(),
+            };
+        }
         Solver::new(&self.body, &self.anatomy).solve(&self.target_at(time)).pose
     }
 

@@ -6,7 +6,7 @@ use super::parts;
 use super::writer::{self, Output};
 use super::{resolve, say, tell};
 use crate::bake::Baked;
-use crate::model::report::{ClipReport, Contact, Outcome, Part};
+use crate::model::report::{Contact, Outcome, Part};
 use crate::model::{Scenario, Side};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -135,7 +135,7 @@ fn summary(baked: &Baked, name: &str, places: &Places, size: usize) -> String {
         ),
     );
     line("body", format_args!("{:.1} kg, {:.2} m", report.body.mass, report.body.height));
-    line("outcome", format_args!("{}", outcome(report)));
+    line("outcome", format_args!("{}", outcome(baked)));
     for (index, push) in report.disturbances.iter().enumerate() {
         let force = glam::DVec3::from(push.force).length();
         line(
@@ -190,7 +190,8 @@ fn summary(baked: &Baked, name: &str, places: &Places, size: usize) -> String {
     text
 }
 
-fn outcome(report: &ClipReport) -> String {
+fn outcome(baked: &Baked) -> String {
+    let report = &baked.report;
     let steps = match report.steps {
         1 => "1 step".to_owned(),
         steps => format!("{steps} steps"),
@@ -199,6 +200,9 @@ fn outcome(report: &ClipReport) -> String {
         Outcome::Still => "still: nothing moved".to_owned(),
         Outcome::Sway => "sway: the feet stayed where they were".to_owned(),
         Outcome::Step => format!("step: {steps}, and it stands"),
+        Outcome::Fall if !baked.performance.timeline.fallen.is_empty() => {
+            format!("fall: balance was lost after {steps}, and it goes down")
+        }
         Outcome::Fall => format!("fall: balance was lost after {steps}; the clip ends there"),
     }
 }

@@ -22,6 +22,27 @@ pub enum Part {
     Foot(Side),
 }
 
+impl Part {
+    /// For a person.
+    pub fn name(self) -> String {
+        let of = |side: Side, what: &str| match side {
+            Side::Left => format!("left {what}"),
+            Side::Right => format!("right {what}"),
+        };
+        match self {
+            Part::Pelvis => "pelvis".into(),
+            Part::Trunk => "trunk".into(),
+            Part::Head => "head".into(),
+            Part::UpperArm(side) => of(side, "upper arm"),
+            Part::Forearm(side) => of(side, "forearm"),
+            Part::Hand(side) => of(side, "hand"),
+            Part::Thigh(side) => of(side, "thigh"),
+            Part::Shank(side) => of(side, "shank"),
+            Part::Foot(side) => of(side, "foot"),
+        }
+    }
+}
+
 /// How a link may turn against its parent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Freedom {
@@ -169,6 +190,19 @@ impl Figure {
         positions[joint] - origin
     }
 
+    /// The body's joint that a point on a link (its frame, m) is best said to be at: the uppermost of the spine that is not
+    /// above it, else the link's own.
+    pub fn joint_at(&self, body: &Body, link: usize, point: DVec3) -> usize {
+        let own = self.link_of.iter().position(|owner| *owner == link).unwrap_or(0);
+        let spine = [Role::Spine, Role::Chest, Role::UpperChest];
+        let below = |joint: &usize| {
+            self.link_of[*joint] == link
+                && spine.contains(&self.roles[*joint])
+                && self.joint_in_link(body, *joint).y <= point.y
+        };
+        (0..self.link_of.len()).rev().find(below).unwrap_or(own)
+    }
+
     /// The link that a role's joint moves with.
     pub fn link_of_role(&self, role: Role) -> Option<usize> {
         self.roles.iter().position(|own| *own == role).map(|joint| self.link_of[joint])
@@ -310,8 +344,11 @@ impl<'a> Maker<'a> {
                 })
                 .map(|joint| self.positions[joint] - origin)
                 .collect();
+            let last = !self.links.iter().any(|link| link.parent == Some(index));
             let link = &mut self.links[index];
-            let (mut low, mut high) = (link.centre, link.centre);
+            // The last of a limb reaches beyond its joints.
+            let beyond = if last { link.centre * 1.8 } else { link.centre };
+            let (mut low, mut high) = (beyond.min(link.centre), beyond.max(link.centre));
             for point in &inside {
                 (low, high) = (low.min(*point), high.max(*point));
             }

@@ -2,6 +2,7 @@
 
 pub mod control;
 pub mod dynamics;
+pub mod fall;
 pub mod figure;
 mod forces;
 mod ground;
@@ -10,6 +11,7 @@ pub mod plan;
 mod stepping;
 mod swing;
 mod tasks;
+pub mod things;
 pub mod tuning;
 pub mod world;
 

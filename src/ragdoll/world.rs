@@ -5,6 +5,7 @@
 
 use super::figure::{Figure, Freedom, Part};
 use super::ground;
+use super::things::Sphere;
 use crate::model::{Side, Terrain};
 use glam::{DMat3, DQuat, DVec3};
 use rapier3d::prelude::*;
@@ -15,6 +16,11 @@ const BODY: InteractionGroups =
 /// What stands still.
 pub(super) const GROUND: InteractionGroups =
     InteractionGroups::new(Group::GROUP_2, Group::GROUP_1.union(Group::GROUP_3), InteractionTestMode::And);
+
+/// m from the origin, m/s and m of a joint's gap: beyond, the simulation has broken down.
+const FARTHEST: f64 = 100.0;
+pub(super) const FASTEST: f64 = 100.0;
+const TORN: f64 = 0.05;
 
 /// Where a link is and how it moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,8 +53,9 @@ pub struct World {
     pub(super) physics: PhysicsWorld,
     /// s, length of a tick.
     pub dt: f64,
-    links: Vec<RigidBodyHandle>,
-    boxes: Vec<ColliderHandle>,
+    pub(super) links: Vec<RigidBodyHandle>,
+    pub(super) boxes: Vec<ColliderHandle>,
+    pub(super) spheres: Vec<Sphere>,
     frames: Vec<DQuat>, // a hinge's frame: its axis as x
     ground: Vec<ground::Piece>,
     root: MultibodyJointHandle,
@@ -95,7 +102,7 @@ impl World {
         }
         let ground = ground::build(&mut physics, terrain, GROUND);
         let root = root.unwrap_or(MultibodyJointHandle::invalid());
-        let mut world = World { physics, dt, links, boxes, frames, ground, root };
+        let mut world = World { physics, dt, links, boxes, spheres: Vec::new(), frames, ground, root };
         world.place(figure, placed);
         // Masses are known after a step: one that moves nothing.
         world.physics.integration_parameters.dt = 1e-6;
@@ -151,6 +158,30 @@ impl World {
         }));
     }
 
+    /// What is wrong with the links, for a person: a number that is none, a part that flew away, was torn off, or is faster than
+    /// any body; `None` where all is well.
+    pub fn broken(figure: &Figure, states: &[LinkState]) -> Option<String> {
+        for (index, (link, state)) in figure.links.iter().zip(states).enumerate() {
+            let name = link.part.name();
+            let finite = state.origin.is_finite() && state.turn.is_finite();
+            if !finite || !state.velocity.is_finite() || !state.spin.is_finite() {
+                return Some(format!("the place of the {name} is not a finite number"));
+            }
+            if state.origin.length() > FARTHEST {
+                return Some(format!("the {name} left the world ({:.0} m away)", state.origin.length()));
+            }
+            if state.velocity.length() > FASTEST {
+                return Some(format!("the {name} moves at {:.0} m/s", state.velocity.length()));
+            }
+            let joint = link.parent.map(|parent| states[parent].origin + states[parent].turn * link.anchor);
+            let gap = joint.map_or(0.0, |joint| joint.distance(state.origin));
+            if index > 0 && gap > TORN {
+                return Some(format!("the joint of the {name} came apart by {:.0} cm", gap * 100.0));
+            }
+        }
+        None
+    }
+
     /// Sets what the joint of a link does in the next tick.
     pub fn drive(&mut self, figure: &Figure, link: usize, drive: &JointDrive) {
         let frame = self.frames[link];
@@ -171,6 +202,29 @@ impl World {
         }
         for (offset, axis) in axes.iter().enumerate() {
             multibody.damping_mut()[assembly + offset] = damping[*axis] as f32;
+        }
+    }
+
+    /// Sets each axis of a joint apart: a spring towards `ahead` (rad from where it is, the parent's frame) and a damper.
+    pub fn loosen(&mut self, figure: &Figure, link: usize, stiffness: DVec3, damping: DVec3, ahead: DVec3) {
+        let Some(id) = self.physics.multibody_joints.rigid_body_link(self.links[link]).copied() else { return };
+        let Some(multibody) = self.physics.multibody_joints.get_multibody_mut(id.multibody) else { return };
+        let Some(part) = multibody.link_mut(id.id) else { return };
+        let assembly = part.assembly_id();
+        let coords = part.joint.coords();
+        match figure.links[link].freedom {
+            Freedom::Hinge { axis, .. } => {
+                part.joint.set_spring(3, stiffness.x as f32, coords[3] + ahead.dot(axis) as f32);
+                multibody.damping_mut()[assembly] = damping.x as f32;
+            }
+            _ => {
+                for axis in 0..3 {
+                    part.joint.set_spring(3 + axis, stiffness[axis] as f32, coords[3 + axis] + ahead[axis] as f32);
+                }
+                for axis in 0..3 {
+                    multibody.damping_mut()[assembly + axis] = damping[axis] as f32;
+                }
+            }
         }
     }
 
@@ -196,11 +250,16 @@ impl World {
         self.physics.step();
     }
 
-    /// N s, what pressed on a link's box from outside in the last tick.
+    /// N s, what the ground pressed on a link's box in the last tick.
     pub fn pressed(&self, link: usize) -> f64 {
+        let still = |handle: ColliderHandle| {
+            let groups = self.physics.colliders.get(handle).map(|collider| collider.collision_groups().memberships);
+            groups.is_some_and(|groups| groups.contains(Group::GROUP_2))
+        };
         self.physics
             .narrow_phase
             .contact_pairs_with(self.boxes[link])
+            .filter(|pair| still(pair.collider1) || still(pair.collider2))
             .map(|pair| f64::from(pair.total_impulse_magnitude()))
             .sum()
     }

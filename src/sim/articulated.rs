@@ -1,15 +1,17 @@
 //! A run of the articulated body under pushes, and the trace that it leaves: the same as the stepper's, read off the links.
 //!
 //! Scenario space, SI, 10 ms ticks. The arms are told what a pushed person's would do (`whole_body::reaction`) and do what
-//! their joints let them. It stands, sways, steps and falls; it does not walk, carry or ride yet.
+//! their joints let them. It stands, sways and steps; where balance is lost the joints give way and it falls until it lies.
+//! It does not walk yet. What breaks down is caught in the tick in which it does.
 
+use super::balls::{Balls, Flown, Incoming};
 use super::{SessionPush, SimulateOptions, TickState, Trace};
 use crate::maths::filter::zero_lag;
 use crate::maths::quat::{rotation_vector, yaw_of};
 use crate::measure::{KnownPush, PushPoint};
 use crate::model::{Body, BodyPose, Physique, Plant, Role, Side, Terrain};
 use crate::ragdoll::control::{Assist, Report};
-use crate::ragdoll::{Controller, Figure, LinkState, Locks, Tuning, World};
+use crate::ragdoll::{Controller, Figure, fall, LinkState, Locks, Tuning, World};
 use crate::stepper::{Phase, Step, StepKind};
 use crate::whole_body::reaction::{Personality, Reaction, Senses, upper_turns};
 use crate::whole_body::stand::relaxed_arms;
@@ -20,10 +22,15 @@ use glam::{DQuat, DVec2, DVec3, EulerRot};
 const ITERATIONS: usize = 4;
 /// Share of the standing height under which the centre of mass has fallen (DESIGN, "fallen").
 const FALLEN: f64 = 0.57;
+/// And the share from which on who is falling lets himself fall.
+const GIVES_WAY: f64 = 0.82;
 /// Hz, above which the links' turns are jitter.
 const JITTER: f64 = 9.0;
 /// s after a landing until a sole has settled.
 const SETTLED: f64 = 0.06;
+/// s, the longest that a fall goes on, and for how long no link may be faster than that (m/s) for it to be over.
+const LONGEST_FALL: f64 = 2.5;
+const LIES: (f64, f64) = (0.3, 0.08);
 
 /// s and m/s: a bearing foot whose mean speed over that long before and after is higher drags.
 const DRAG_SPAN: f64 = 0.05;
@@ -67,14 +74,20 @@ pub struct Articulated {
     pub help: Help,
     /// N m, the largest torque that a joint gave.
     pub peak_torque: f64,
+    /// The body as the links stand, one a tick and on through the fall; empty where there is none.
+    pub poses: Vec<BodyPose>,
+    /// The balls that were thrown.
+    pub balls: Vec<Flown>,
 }
 
 /// Why there is no run.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("the articulated body broke down at {time:.2} s")]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("the articulated body broke down at {time:.2} s: {what}")]
 pub struct BrokenBody {
     /// s.
     pub time: f64,
+    /// Which part of it, and how.
+    pub what: String,
 }
 
 /// Runs a body that stands, under those pushes (with each: its direction is the character's own).
@@ -86,6 +99,43 @@ pub fn simulate_articulated(
     options: &SimulateOptions,
     pushes: &[(KnownPush, bool)],
     assist: Assist,
+) -> Result<Articulated, BrokenBody> {
+    simulate_with(body, anatomy, physique, terrain, options, pushes, assist, &[])
+}
+
+/// The same with balls that come at it.
+#[expect(clippy::too_many_arguments, reason = "all that a run depends on")]
+pub fn simulate_with(
+    body: &Body,
+    anatomy: &Anatomy,
+    physique: &Physique,
+    terrain: &Terrain,
+    options: &SimulateOptions,
+    pushes: &[(KnownPush, bool)],
+    assist: Assist,
+    incoming: &[Incoming],
+) -> Result<Articulated, BrokenBody> {
+    let full = attempt(body, anatomy, physique, terrain, options, pushes, assist, incoming, None)?;
+    let Some(_) = full.trace.lost else { return Ok(full) };
+    // Nobody fights until he lies: seen from the end, the joints give way as soon as the body sinks for good.
+    let floor = |tick: &TickState| terrain.spot(DVec2::new(tick.com.x, tick.com.z)).height;
+    let up = |tick: &TickState| tick.com.y - floor(tick) > GIVES_WAY * physique.com_height;
+    let last = full.trace.ticks.iter().rposition(up).unwrap_or(0);
+    attempt(body, anatomy, physique, terrain, options, pushes, assist, incoming, Some(last))
+}
+
+/// One run; the joints give way at that tick, or where it has fallen.
+#[expect(clippy::too_many_arguments, reason = "one run")]
+fn attempt(
+    body: &Body,
+    anatomy: &Anatomy,
+    physique: &Physique,
+    terrain: &Terrain,
+    options: &SimulateOptions,
+    pushes: &[(KnownPush, bool)],
+    assist: Assist,
+    incoming: &[Incoming],
+    gives_way: Option<usize>,
 ) -> Result<Articulated, BrokenBody> {
     let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
     let target = stand::stand_target(body, &plants, DVec3::Y * physique.com_height, 0.0);
@@ -109,6 +159,7 @@ pub fn simulate_articulated(
     let mut record = Record::new(plants);
     let mut rest = 0.0;
     let mut lost = None;
+    let mut poses = Vec::new();
     for tick in 0..=most {
         let time = tick as f64 * options.dt;
         if tick > planned && rest >= 0.5 {
@@ -116,41 +167,96 @@ pub fn simulate_articulated(
         }
         run.world.clear_forces();
         let report = run.control.tick(&figure, &mut run.world, terrain);
-        if !report.com.is_finite() || report.com.length() > 100.0 {
-            return Err(BrokenBody { time });
-        }
+        poses.push(pose_of(&figure, run.control.states()));
         let facing = yaw_of(run.control.states()[0].turn);
         for push in acting.iter_mut().filter(|push| push.turns && push.start < time + options.dt - 1e-9) {
             push.force = DQuat::from_rotation_y(facing) * push.force;
             push.turns = false;
         }
         let (force, moment) = run.push(&figure, body, &acting, pushes, time, report.com);
+        let (hit, hit_moment) = run.balls.felt(report.com, options.dt);
+        let (force, moment) = (force + hit, moment + hit_moment);
         record.tick(&figure, &run.control, &report, (force, moment), physique, time);
         let state = record.ticks.last().expect("just recorded");
         let angles = reaction.tick(&senses(state), options.dt);
         let (_, _, _, arms) = upper_turns(&angles);
         run.pose_arms(&figure, &arms);
         rest = if run.control.swing.is_none() && report.velocity.length() < 0.05 { rest + options.dt } else { 0.0 };
-        if report.com.y < FALLEN * physique.com_height + terrain.spot(DVec2::new(report.com.x, report.com.z)).height {
+        let over = report.com.y - terrain.spot(DVec2::new(report.com.x, report.com.z)).height;
+        if gives_way == Some(tick) || over < FALLEN * physique.com_height {
             lost = Some(time);
+            run.fall(&figure, body, terrain, tick, &mut poses)?;
             break;
         }
-        run.world.step(terrain, time + options.dt);
+        run.balls.launch(&figure, body, incoming, &run.states, &mut run.world, (time, facing, report.velocity));
+        run.step(&figure, terrain, time)?;
+        run.balls.watch(&figure, body, &run.states, &run.world, time + options.dt);
     }
-    Ok(record.finish(options.dt, acting, lost, rest, &figure))
+    if lost.is_none() {
+        poses.clear();
+    }
+    let balls = run.balls.finish();
+    Ok(Articulated { poses, balls, ..record.finish(options.dt, acting, lost, rest, &figure) })
+}
+
+fn pose_of(figure: &Figure, states: &[LinkState]) -> BodyPose {
+    let placed: Vec<(DVec3, DQuat)> = states.iter().map(|state| (state.origin, state.turn)).collect();
+    figure.pose(&placed)
 }
 
 /// The world and its controller.
 struct Run {
     world: World,
     control: Controller,
+    states: Vec<LinkState>,
+    balls: Balls,
 }
 
 impl Run {
     fn new(figure: &Figure, standing: &BodyPose, body: &Body, terrain: &Terrain, dt: f64) -> Run {
         let world = World::new(figure, &figure.placed(body, standing), terrain, dt, ITERATIONS);
         let control = Controller::new(figure, &world, Tuning::default());
-        Run { world, control }
+        let states = control.states().to_vec();
+        Run { world, control, states, balls: Balls::default() }
+    }
+
+    /// One tick of the world from `time` on, and a look at whether it still holds together.
+    fn step(&mut self, figure: &Figure, terrain: &Terrain, time: f64) -> Result<(), BrokenBody> {
+        let after = time + self.world.dt;
+        self.world.step(terrain, after);
+        self.world.read(&mut self.states);
+        match World::broken(figure, &self.states).or_else(|| self.world.broken_ball()) {
+            Some(what) => Err(BrokenBody { time: after, what }),
+            None => Ok(()),
+        }
+    }
+
+    /// Balance is lost at that tick: the body comes down with its joints relaxed until it lies.
+    fn fall(
+        &mut self,
+        figure: &Figure,
+        body: &Body,
+        terrain: &Terrain,
+        tick: usize,
+        poses: &mut Vec<BodyPose>,
+    ) -> Result<(), BrokenBody> {
+        let dt = self.world.dt;
+        self.world.read(&mut self.states);
+        let mut lies = 0.0;
+        let ticks = (LONGEST_FALL / dt).round() as usize;
+        for fallen in 0..ticks {
+            self.world.clear_forces();
+            fall::relax(figure, &mut self.world, &self.states, fallen as f64 * dt);
+            self.step(figure, terrain, (tick + fallen) as f64 * dt)?;
+            self.balls.watch(figure, body, &self.states, &self.world, (tick + fallen + 1) as f64 * dt);
+            poses.push(pose_of(figure, &self.states));
+            let fastest = self.states.iter().map(|state| state.velocity.length()).fold(0.0, f64::max);
+            lies = if fastest < LIES.1 { lies + dt } else { 0.0 };
+            if lies >= LIES.0 {
+                break;
+            }
+        }
+        Ok(())
     }
 
     /// Lets the pushes act on their links for the coming tick; their sum, and its moment about the centre of mass.
@@ -323,7 +429,7 @@ impl Record {
             lost,
             rest,
         };
-        Articulated { trace, upper, help: self.help, peak_torque: self.peak_torque }
+        Articulated { trace, upper, help: self.help, peak_torque: self.peak_torque, poses: Vec::new(), balls: Vec::new() }
     }
 
     /// A bearing foot that a stretched leg dragged along is drawn as a step from where the drag began to where it ended.

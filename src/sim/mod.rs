@@ -1,11 +1,13 @@
 //! The fixed-step session (10 ms ticks) that runs the stepper or the articulated body under a scenario, and the trace it leaves.
 
 pub mod articulated;
+pub mod balls;
 pub mod script;
 pub mod session;
 pub mod trace;
 
-pub use articulated::{Articulated, Help, simulate_articulated};
+pub use articulated::{Articulated, Help, simulate_articulated, simulate_with};
+pub use balls::{Flown, Incoming, Struck};
 pub use script::Script;
 pub use session::{Session, SessionPush, SimulateOptions, simulate, simulate_pushes};
 pub use trace::{TickState, Trace};
