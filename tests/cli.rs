@@ -109,11 +109,27 @@ fn what_is_still_to_come_says_so_and_exits_two() {
         "batch sweep.toml -o out",
         "studio",
         "new sweep",
-        "bake builtin shove.toml -o out.glb --drive ragdoll",
     ] {
         shell.run(words).exits(2).says(&["not in this version yet"]);
     }
     assert_eq!(shell.files(), ["shove.toml"]);
+}
+
+#[test]
+fn the_articulated_body_says_what_it_cannot_play_yet() {
+    let walk = format!("{SHOVE}\n[[walk]]\nstart = 0.2\nspeed = 1.0\n");
+    let shell = Shell::with(&[("walk.toml", &walk)]);
+    shell.run("bake builtin walk.toml -o out.glb --drive ragdoll").exits(2).says(&["[[walk]]", "--drive stepper"]);
+    assert_eq!(shell.files(), ["walk.toml"]);
+}
+
+#[test]
+fn a_clip_of_the_articulated_body_says_how_much_it_was_helped() {
+    let shell = Shell::with(&[("shove.toml", SHOVE)]);
+    let told = shell.run("bake builtin shove.toml -o out.glb --drive ragdoll --assist off").exits(0);
+    for words in ["drive ragdoll", "assist     0 Nm peak (0 rms), 0 N peak (0 rms) on the root; allowed 0 Nm, 0 N", "torques"] {
+        assert!(told.out.contains(words), "{words}: {}", told.out);
+    }
 }
 
 #[test]

@@ -17,13 +17,8 @@ use surefoot::model::scenario::Scenario;
 use surefoot::model::scenario_text;
 use surefoot::model::{KeyValues, Role, Target};
 use surefoot::rig::animate::RootCarrier;
-use surefoot::rig::mannequin::BUILTIN;
+use crate::common::builtin;
 use surefoot::rig::{Rig, load_bytes};
-
-fn builtin() -> Rig {
-    let alone = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
-    load_bytes("builtin", BUILTIN, &alone, None).expect("the built-in rig loads")
-}
 
 /// A rig in centimetres that another program made; `None` without the data.
 fn foreign() -> Option<Rig> {

@@ -3,6 +3,8 @@
 
 /// Row order of `src/lib.rs`, names in their places, shape of files.
 mod architecture;
+/// The articulated body: standing, shoved, helped, repeated.
+mod articulated;
 /// Height, masses and soles of real rigs and of the built-in one.
 mod bodies;
 /// The program at the shell: exit codes, words, files.
