@@ -6,7 +6,7 @@
 use super::BakeError;
 use super::throws::{Ball, Hit, Toss};
 use crate::measure::{KnownPush, PushPoint};
-use crate::model::scenario::{GroundKind, Scenario};
+use crate::model::scenario::Scenario;
 use crate::model::{Body, Physique, Terrain};
 use crate::ragdoll::control::Assist;
 use crate::sim::{Articulated, Incoming, SimulateOptions, simulate_with};
@@ -66,7 +66,6 @@ pub fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
     part(!scenario.crouch.is_empty() || scenario.character.crouch > 0.0, "crouch");
     part(!scenario.stand.is_empty(), "[[stand]]");
     part(!scenario.carry.is_empty(), "[[carry]]");
-    part(scenario.ground.kind != GroundKind::Flat, "ground that is not flat");
     parts
 }
 

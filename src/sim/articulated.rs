@@ -12,9 +12,11 @@ use crate::measure::{KnownPush, PushPoint};
 use crate::model::{Body, BodyPose, Physique, Plant, Role, Side, Terrain};
 use crate::ragdoll::control::{Assist, Report};
 use crate::ragdoll::{Controller, Figure, fall, LinkState, Locks, Tuning, World};
+use crate::stepper::footing::to_ground;
 use crate::stepper::{Phase, Step, StepKind};
 use crate::whole_body::reaction::{Personality, Reaction, Senses, upper_turns};
 use crate::whole_body::stand::relaxed_arms;
+use crate::whole_body::solve::PoseTarget;
 use crate::whole_body::{Anatomy, ArmAngles, Solver, stand};
 use glam::{DQuat, DVec2, DVec3, EulerRot};
 
@@ -109,9 +111,12 @@ pub fn simulate_with(
     let full = attempt(body, anatomy, physique, terrain, options, pushes, assist, incoming, None)?;
     let Some(_) = full.trace.lost else { return Ok(full) };
     // Nobody fights until he lies: seen from the end, the joints give way as soon as the body sinks for good.
-    let floor = |tick: &TickState| terrain.spot(DVec2::new(tick.com.x, tick.com.z)).height;
-    let up = |tick: &TickState| tick.com.y - floor(tick) > GIVES_WAY * physique.com_height;
-    let last = full.trace.ticks.iter().rposition(up).unwrap_or(0);
+    let up = |(index, tick): (usize, &TickState)| {
+        let ground = terrain.held_at(index as f64 * options.dt);
+        let floor = ground.spot(DVec2::new(tick.com.x, tick.com.z)).height;
+        tick.com.y - floor > GIVES_WAY * physique.com_height
+    };
+    let last = full.trace.ticks.iter().enumerate().rev().find(|entry| up(*entry)).map_or(0, |(index, _)| index);
     attempt(body, anatomy, physique, terrain, options, pushes, assist, incoming, Some(last))
 }
 
@@ -132,7 +137,8 @@ fn attempt(
     let target = stand::stand_target(body, &plants, DVec3::Y * physique.com_height, 0.0);
     let standing = Solver::new(body, anatomy).solve(&target).pose;
     let figure = Figure::new(body, &standing, Locks::default());
-    let mut run = Run::new(&figure, &standing, body, terrain, options.dt);
+    let first = on_ground(body, anatomy, physique, terrain, &plants, &target).unwrap_or_else(|| standing.clone());
+    let mut run = Run::new(&figure, &first, body, terrain, options.dt);
     run.control.assist = assist;
     let mut reaction = Reaction::new(physique, Personality::default(), 0.5);
     let planned = (options.duration / options.dt - 1e-9).ceil().max(0.0) as usize;
@@ -157,7 +163,8 @@ fn attempt(
             break;
         }
         run.world.clear_forces();
-        let report = run.control.tick(&figure, &mut run.world, terrain);
+        let ground = terrain.held_at(time);
+        let report = run.control.tick(&figure, &mut run.world, &ground);
         poses.push(pose_of(&figure, run.control.states()));
         let facing = yaw_of(run.control.states()[0].turn);
         for push in acting.iter_mut().filter(|push| push.turns && push.start < time + options.dt - 1e-9) {
@@ -167,14 +174,15 @@ fn attempt(
         let (force, moment) = run.push(&figure, body, &acting, pushes, time, report.com);
         let (hit, hit_moment) = run.balls.felt(report.com, options.dt);
         let (force, moment) = (force + hit, moment + hit_moment);
-        record.tick(&figure, &run.control, &report, (force, moment), physique, time);
+        record.tick(&figure, &run.control, &report, (force, moment), &ground, time);
         let state = record.ticks.last().expect("just recorded");
         let angles = reaction.tick(&senses(state), options.dt);
         let (_, _, _, arms) = upper_turns(&angles);
         run.pose_arms(&figure, &arms);
         rest = if run.control.swing.is_none() && report.velocity.length() < 0.05 { rest + options.dt } else { 0.0 };
-        let over = report.com.y - terrain.spot(DVec2::new(report.com.x, report.com.z)).height;
-        if gives_way == Some(tick) || over < FALLEN * physique.com_height {
+        let over = report.com.y - ground.spot(DVec2::new(report.com.x, report.com.z)).height;
+        let lies = run.world.lies_on(&figure, run.control.states(), &ground).is_some();
+        if gives_way == Some(tick) || lies || over < FALLEN * physique.com_height {
             lost = Some(time);
             run.fall(&figure, body, terrain, tick, &mut poses)?;
             break;
@@ -187,7 +195,36 @@ fn attempt(
         poses.clear();
     }
     let balls = run.balls.finish();
-    Ok(Articulated { poses, balls, ..record.finish(options.dt, acting, lost, rest, &figure) })
+    Ok(Articulated { poses, balls, ..record.finish(options.dt, acting, lost, rest, terrain) })
+}
+
+/// The stand with the soles on ground that is not flat.
+fn on_ground(
+    body: &Body,
+    anatomy: &Anatomy,
+    physique: &Physique,
+    terrain: &Terrain,
+    plants: &[Plant; 2],
+    level: &PoseTarget,
+) -> Option<BodyPose> {
+    if terrain.is_flat() {
+        return None;
+    }
+    let ground = terrain.held_at(0.0);
+    let mut target = level.clone();
+    let mut base = 0.0;
+    for side in Side::BOTH {
+        let plant = &plants[side as usize];
+        let spot = ground.spot(DVec2::new(plant.ankle.x, plant.ankle.z));
+        let lean = DQuat::from_rotation_arc(DVec3::Y, spot.normal);
+        let foot = &mut target.feet[side as usize];
+        foot.ankle = DVec3::new(plant.ankle.x, spot.height, plant.ankle.z)
+            + spot.normal * body.feet[side as usize].ankle_height;
+        (foot.foot, foot.toe) = (lean * foot.foot, lean * foot.toe);
+        base += 0.5 * (foot.ankle.y - body.feet[side as usize].ankle_height);
+    }
+    target.com = DVec3::Y * (physique.com_height + base);
+    Some(Solver::new(body, anatomy).solve(&target).pose)
 }
 
 fn pose_of(figure: &Figure, states: &[LinkState]) -> BodyPose {
@@ -356,14 +393,17 @@ impl Record {
         control: &Controller,
         report: &Report,
         (push, push_moment): (DVec3, DVec3),
-        physique: &Physique,
+        ground: &Terrain,
         time: f64,
     ) {
         let states = control.states();
         let feet = Side::BOTH.map(|side| {
             let state = states[figure.legs[side as usize][2]];
-            let ankle = state.origin - DVec3::Y * figure.ankle_height;
-            Plant::level(DVec3::new(ankle.x, 0.0, ankle.z), yaw_of(state.turn) + self.start[side as usize].yaw)
+            let yaw = yaw_of(state.turn) + self.start[side as usize].yaw;
+            let normal = if ground.is_flat() { DVec3::Y } else { state.turn * DVec3::Y };
+            let ankle = state.origin - normal * figure.ankle_height;
+            let ankle = if ground.is_flat() { DVec3::new(ankle.x, 0.0, ankle.z) } else { ankle };
+            Plant { ankle, yaw, normal }
         });
         for side in Side::BOTH {
             let bears = report.bears[side as usize];
@@ -394,7 +434,6 @@ impl Record {
             gait: Phase::Rest,
             crouched: 0.0,
         });
-        debug_assert!(physique.mass > 0.0);
         self.upper.push(upper(figure, states));
         let [torque, force] = report.help.map(DVec3::length);
         self.help.torque = [self.help.torque[0].max(torque), self.help.torque[1] + torque * torque];
@@ -402,12 +441,11 @@ impl Record {
         self.peak_torque = self.peak_torque.max(report.peak_torque);
     }
 
-    fn finish(mut self, dt: f64, pushes: Vec<SessionPush>, lost: Option<f64>, rest: f64, figure: &Figure) -> Articulated {
-        debug_assert!(figure.mass > 0.0);
+    fn finish(mut self, dt: f64, pushes: Vec<SessionPush>, lost: Option<f64>, rest: f64, terrain: &Terrain) -> Articulated {
         let count = self.ticks.len().max(1) as f64;
         self.help.torque[1] = (self.help.torque[1] / count).sqrt();
         self.help.force[1] = (self.help.force[1] / count).sqrt();
-        let steps = self.steps(dt);
+        let steps = self.steps(dt, terrain);
         let upper = smooth(&self.upper, 1.0 / dt);
         let trace = Trace {
             dt,
@@ -423,7 +461,7 @@ impl Record {
     }
 
     /// Steps between the places where the feet stood while they stood.
-    fn steps(&self, dt: f64) -> Vec<Step> {
+    fn steps(&self, dt: f64, terrain: &Terrain) -> Vec<Step> {
         let last = self.ticks.len() as f64 * dt;
         let mut steps: Vec<Step> = Vec::new();
         for side in Side::BOTH {
@@ -431,7 +469,7 @@ impl Record {
             let mut from = self.start[side as usize];
             for (index, (_, kind, lift, land)) in own.iter().enumerate() {
                 let until = own.get(index + 1).map_or(last, |next| next.2);
-                let to = self.stood(side, (land + SETTLED).min(until), until, dt);
+                let to = self.stood(side, (land + SETTLED).min(until), until, dt, terrain);
                 steps.push(Step { side, kind: *kind, lift: *lift, land: *land, from, to });
                 from = to;
             }
@@ -440,12 +478,14 @@ impl Record {
         steps
     }
 
-    /// Where a foot stood between two times, in the mean.
-    fn stood(&self, side: Side, from: f64, to: f64, dt: f64) -> Plant {
+    /// Where a foot stood between two times, in the mean, in the ground's frame.
+    fn stood(&self, side: Side, from: f64, to: f64, dt: f64, terrain: &Terrain) -> Plant {
         let last = self.ticks.len() - 1;
         let first = ((from / dt).round() as usize).min(last);
         let end = ((to / dt).round() as usize).clamp(first, last);
-        let plants = self.ticks[first..=end].iter().map(|tick| tick.feet[side as usize]);
+        let plants = (first..=end).map(|tick| {
+            to_ground(&self.ticks[tick].feet[side as usize], terrain.turn(tick as f64 * dt))
+        });
         let count = (end - first + 1) as f64;
         let ankle = plants.clone().map(|plant| plant.ankle).sum::<DVec3>() / count;
         let yaw = plants.map(|plant| plant.yaw).sum::<f64>() / count;
