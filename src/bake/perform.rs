@@ -202,6 +202,10 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
         lost = Some(timeline.stands());
     }
     if let (Some(driven), true) = (&articulated, lost.is_some_and(|lost| lost <= scenario.duration)) {
+        // A step that never lands is shown as it was.
+        if let Some(lift) = driven.run.unlanded {
+            timeline.cut(((lift / timeline.dt).floor() as usize).max(4).min(timeline.com.len() - 1));
+        }
         timeline.fall(&driven.run.poses);
     }
     let contacts = timeline.feet.contacts(timeline.stands());

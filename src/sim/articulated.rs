@@ -69,6 +69,8 @@ pub struct Articulated {
     pub peak_torque: f64,
     /// The body as the links stand, one a tick and on through the fall; empty where there is none.
     pub poses: Vec<BodyPose>,
+    /// s, when the foot was lifted that never stood again before the fall.
+    pub unlanded: Option<f64>,
     /// The balls that were thrown.
     pub balls: Vec<Flown>,
 }
@@ -447,6 +449,8 @@ impl Record {
         self.help.force[1] = (self.help.force[1] / count).sqrt();
         let steps = self.steps(dt, terrain);
         let upper = smooth(&self.upper, 1.0 / dt);
+        let aloft = self.lifted.iter().flatten().map(|(lift, _)| *lift).reduce(f64::min);
+        let unlanded = aloft.filter(|_| lost.is_some());
         let trace = Trace {
             dt,
             ticks: self.ticks,
@@ -457,7 +461,7 @@ impl Record {
             lost,
             rest,
         };
-        Articulated { trace, upper, help: self.help, peak_torque: self.peak_torque, poses: Vec::new(), balls: Vec::new() }
+        Articulated { trace, upper, help: self.help, peak_torque: self.peak_torque, poses: Vec::new(), unlanded, balls: Vec::new() }
     }
 
     /// Steps between the places where the feet stood while they stood.
