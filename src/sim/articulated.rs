@@ -28,6 +28,8 @@ const FALLEN: f64 = 0.57;
 const GIVES_WAY: f64 = 0.82;
 /// Hz, above which the links' turns are jitter.
 const JITTER: f64 = 9.0;
+/// m/s and m, from where on a foot that should stand has slid.
+const SLIDES: (f64, f64) = (0.15, 0.03);
 /// s after a landing until a sole has settled.
 const SETTLED: f64 = 0.06;
 /// s, the longest that a fall goes on, and for how long no link may be faster than that (m/s) for it to be over.
@@ -469,10 +471,10 @@ impl Record {
         let last = self.ticks.len() as f64 * dt;
         let mut steps: Vec<Step> = Vec::new();
         for side in Side::BOTH {
-            let own: Vec<_> = self.swings.iter().filter(|swing| swing.0 == side).collect();
+            let own = self.with_slides(side, dt, terrain);
             let mut from = self.start[side as usize];
-            for (index, (_, kind, lift, land)) in own.iter().enumerate() {
-                let until = own.get(index + 1).map_or(last, |next| next.2);
+            for (index, (kind, lift, land)) in own.iter().enumerate() {
+                let until = own.get(index + 1).map_or(last, |next| next.1);
                 let to = self.stood(side, (land + SETTLED).min(until), until, dt, terrain);
                 steps.push(Step { side, kind: *kind, lift: *lift, land: *land, from, to });
                 from = to;
@@ -480,6 +482,60 @@ impl Record {
         }
         steps.sort_by(|a, b| a.lift.total_cmp(&b.lift));
         steps
+    }
+
+    /// Swings of a foot (why, lift, land), with those in which it slid along the ground: a clip's foot holds still or is lifted.
+    fn with_slides(&self, side: Side, dt: f64, terrain: &Terrain) -> Vec<(StepKind, f64, f64)> {
+        let mut swings: Vec<(StepKind, f64, f64)> = (self.swings.iter())
+            .filter(|swing| swing.0 == side)
+            .map(|(_, kind, lift, land)| (*kind, *lift, *land))
+            .collect();
+        let place: Vec<DVec2> = (self.ticks.iter().enumerate())
+            .map(|(index, tick)| {
+                let ankle = to_ground(&tick.feet[side as usize], terrain.turn(index as f64 * dt)).ankle;
+                DVec2::new(ankle.x, ankle.z)
+            })
+            .collect();
+        let aloft = |time: f64| {
+            let swings = swings.iter().any(|swing| swing.1 <= time + 1e-9 && time < swing.2 - 1e-9);
+            swings || self.lifted[side as usize].is_some_and(|(lift, _)| time >= lift - 1e-9)
+        };
+        let slides: Vec<bool> = (place.windows(2).enumerate())
+            .map(|(index, pair)| !aloft(index as f64 * dt) && pair[0].distance(pair[1]) > SLIDES.0 * dt)
+            .collect();
+        let mut found = Vec::new();
+        let mut index = 0;
+        while index < slides.len() {
+            if !slides[index] {
+                index += 1;
+                continue;
+            }
+            let first = index;
+            let mut end = index + 1;
+            while end < slides.len() && slides[end..(end + 4).min(slides.len())].iter().any(|slides| *slides) {
+                end += 1;
+            }
+            index = end;
+            if place[first].distance(place[end]) > SLIDES.1 {
+                found.push((first as f64 * dt, end as f64 * dt));
+            }
+        }
+        for (from, to) in found {
+            // What slides before it lifts or after it landed belongs to that swing.
+            if let Some(swing) = swings.iter_mut().find(|swing| (swing.1 - to).abs() < 0.06) {
+                swing.1 = from;
+            } else if let Some(swing) = swings.iter_mut().find(|swing| (from - swing.2).abs() < 0.06) {
+                swing.2 = to;
+            } else {
+                swings.push((StepKind::Corrective, from, to.max(from + 0.12)));
+            }
+        }
+        swings.sort_by(|a, b| a.1.total_cmp(&b.1));
+        for index in 1..swings.len() {
+            swings[index].1 = swings[index].1.max(swings[index - 1].2 + dt);
+            swings[index].2 = swings[index].2.max(swings[index].1 + 0.1);
+        }
+        swings
     }
 
     /// Where a foot stood between two times, in the mean, in the ground's frame.
