@@ -73,14 +73,14 @@ fn a_run_is_the_same_to_the_last_bit() {
         let bits = |vector: DVec3| vector.to_array().map(f64::to_bits);
         let ticks = run.trace.ticks.iter().flat_map(|tick| [bits(tick.com), bits(tick.velocity)]);
         // FNV-1a.
-        ticks.flatten().flat_map(u64::to_le_bytes).fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-        })
+        ticks
+            .flatten()
+            .flat_map(u64::to_le_bytes)
+            .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
     };
     let pushes = [shove(&body, 375.0, 0.2, 30.0)];
     let hashes: Vec<u64> = std::thread::scope(|scope| {
-        let workers: Vec<_> =
-            (0..3).map(|_| scope.spawn(|| told(&run(&body, &pushes, 5.0, FREE)))).collect();
+        let workers: Vec<_> = (0..3).map(|_| scope.spawn(|| told(&run(&body, &pushes, 5.0, FREE)))).collect();
         workers.into_iter().map(|worker| worker.join().expect("no panic")).collect()
     });
     assert!(hashes.windows(2).all(|pair| pair[0] == pair[1]), "{hashes:x?}");

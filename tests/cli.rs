@@ -103,13 +103,9 @@ fn bad_usage_exits_two() {
 #[test]
 fn what_is_still_to_come_says_so_and_exits_two() {
     let shell = Shell::with(&[("shove.toml", SHOVE)]);
-    for words in [
-        "audit walk.glb --json -",
-        "correct walk.glb -o out.glb",
-        "batch sweep.toml -o out",
-        "studio",
-        "new sweep",
-    ] {
+    for words in
+        ["audit walk.glb --json -", "correct walk.glb -o out.glb", "batch sweep.toml -o out", "studio", "new sweep"]
+    {
         shell.run(words).exits(2).says(&["not in this version yet"]);
     }
     assert_eq!(shell.files(), ["shove.toml"]);
@@ -127,7 +123,9 @@ fn the_articulated_body_says_what_it_cannot_play_yet() {
 fn a_clip_of_the_articulated_body_says_how_much_it_was_helped() {
     let shell = Shell::with(&[("shove.toml", SHOVE)]);
     let told = shell.run("bake builtin shove.toml -o out.glb --drive ragdoll --assist off").exits(0);
-    for words in ["drive ragdoll", "assist     0 Nm peak (0 rms), 0 N peak (0 rms) on the root; allowed 0 Nm, 0 N", "torques"] {
+    for words in
+        ["drive ragdoll", "assist     0 Nm peak (0 rms), 0 N peak (0 rms) on the root; allowed 0 Nm, 0 N", "torques"]
+    {
         assert!(told.out.contains(words), "{words}: {}", told.out);
     }
 }

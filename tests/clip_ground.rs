@@ -12,12 +12,12 @@ use serde_json::Value;
 use surefoot::bake::{BakeOptions, Baked, RootMotion, bake};
 use surefoot::measure::percentile;
 
+use crate::common::builtin;
 use surefoot::model::report::Outcome;
 use surefoot::model::scenario::Scenario;
 use surefoot::model::scenario_text;
 use surefoot::model::{KeyValues, Role, Target};
 use surefoot::rig::animate::RootCarrier;
-use crate::common::builtin;
 use surefoot::rig::{Rig, load_bytes};
 
 /// A rig in centimetres that another program made; `None` without the data.

@@ -32,6 +32,8 @@ mod limits_grid;
 mod measure;
 /// Contact sheets of real rigs.
 mod picture;
+/// The articulated body: falls, balls, grounds, breakdowns.
+mod ragdoll;
 /// Rigs made from others or from nothing: scales, axes, skins, naming conventions, lacking bones, overrides.
 mod rig_variants;
 /// Real rigs: bones, height, heading, unit.

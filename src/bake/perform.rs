@@ -132,7 +132,11 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
     let aloft = trace.aloft.filter(|_| trace.lost.is_none());
     let steps: Vec<Step> = trace.steps.iter().copied().chain(aloft).collect();
     let cop: Vec<DVec2> = ticks.iter().map(|tick| tick.cop).collect();
-    let steps = footing::sooner(&steps, &physique, &cop, trace.dt, scale);
+    // An articulated body's feet leave when they leave.
+    let steps = match &articulated {
+        Some(_) => steps,
+        None => footing::sooner(&steps, &physique, &cop, trace.dt, scale),
+    };
     let (start, steps) = footing::grounded(body, &terrain, &trace.start, &steps);
     let bases = footing::bases(body, &terrain, &start, &steps, trace.dt, count);
     let height = |index: usize| {
@@ -202,6 +206,10 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
         lost = Some(timeline.stands());
     }
     if let (Some(driven), true) = (&articulated, lost.is_some_and(|lost| lost <= scenario.duration)) {
+        // A step that never lands is shown as it was.
+        if let Some(lift) = driven.run.unlanded {
+            timeline.cut(((lift / timeline.dt).floor() as usize).max(4).min(timeline.com.len() - 1));
+        }
         timeline.fall(&driven.run.poses);
     }
     let contacts = timeline.feet.contacts(timeline.stands());

@@ -6,7 +6,7 @@
 use super::BakeError;
 use super::throws::{Ball, Hit, Toss};
 use crate::measure::{KnownPush, PushPoint};
-use crate::model::scenario::{GroundKind, Scenario};
+use crate::model::scenario::Scenario;
 use crate::model::{Body, Physique, Terrain};
 use crate::ragdoll::control::Assist;
 use crate::sim::{Articulated, Incoming, SimulateOptions, simulate_with};
@@ -42,16 +42,8 @@ pub struct Driven {
 }
 
 /// Bounds that `Auto` tries, N m and N, the least first.
-const TRIES: [[f64; 2]; 8] = [
-    [0.0, 0.0],
-    [25.0, 0.0],
-    [50.0, 0.0],
-    [100.0, 0.0],
-    [150.0, 0.0],
-    [200.0, 50.0],
-    [300.0, 150.0],
-    [300.0, 300.0],
-];
+const TRIES: [[f64; 2]; 8] =
+    [[0.0, 0.0], [25.0, 0.0], [50.0, 0.0], [100.0, 0.0], [150.0, 0.0], [200.0, 50.0], [300.0, 150.0], [300.0, 300.0]];
 
 /// What of a scenario the articulated body cannot play yet, for a person; empty where it plays it all.
 pub fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
@@ -66,7 +58,6 @@ pub fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
     part(!scenario.crouch.is_empty() || scenario.character.crouch > 0.0, "crouch");
     part(!scenario.stand.is_empty(), "[[stand]]");
     part(!scenario.carry.is_empty(), "[[carry]]");
-    part(scenario.ground.kind != GroundKind::Flat, "ground that is not flat");
     parts
 }
 

@@ -22,6 +22,7 @@ pub struct Terrain {
     /// Coulomb coefficient.
     pub friction: f64,
     waves: [Wave; WAVES],
+    tilt: DQuat, // of a platform that is held still
 }
 
 /// One plane wave of uneven ground.
@@ -59,7 +60,7 @@ impl Terrain {
                 };
             }
         }
-        Terrain { kind: ground.kind.clone(), friction: ground.friction, waves }
+        Terrain { kind: ground.kind.clone(), friction: ground.friction, waves, tilt: DQuat::IDENTITY }
     }
 
     /// The plane y = 0 with friction 1.
@@ -77,10 +78,20 @@ impl Terrain {
         matches!(self.kind, GroundKind::Platform { .. })
     }
 
+    /// The ground as it stands at a time, held still: then [`Self::spot`] answers in scenario space for a platform too.
+    pub fn held_at(&self, time: f64) -> Terrain {
+        Terrain { tilt: self.turn(time), ..self.clone() }
+    }
+
     /// The ground at (x, z) in the ground frame.
     pub fn spot(&self, at: DVec2) -> Spot {
         let level = |height: f64| Spot { height, normal: DVec3::Y, holds: true };
         match self.kind {
+            GroundKind::Platform { .. } if self.tilt != DQuat::IDENTITY => {
+                let normal = self.tilt * DVec3::Y;
+                let height = -(normal.x * at.x + normal.z * at.y) / normal.y.max(1e-3);
+                Spot { height, normal, holds: true }
+            }
             GroundKind::Flat | GroundKind::Platform { .. } => level(0.0),
             GroundKind::Slope { angle } => {
                 Spot { height: at.y * angle.tan(), normal: DVec3::new(0.0, angle.cos(), -angle.sin()), holds: true }
@@ -187,6 +198,19 @@ mod tests {
             assert!(
                 ground.spot(at).normal.distance(leaning(&ground, at)) < 1e-8 && ground.spot(DVec2::ZERO).height == 0.0
             );
+        }
+    }
+
+    #[test]
+    fn a_platform_held_still_is_a_plane_through_the_origin() {
+        let turning =
+            terrain(GroundKind::Platform { pitch: vec![[0.0, 0.0], [2.0, 0.4]], roll: vec![[0.0, 0.0], [2.0, 0.2]] });
+        let held = turning.held_at(1.0);
+        for place in [DVec3::new(0.4, 0.0, -0.7), DVec3::new(-0.2, 0.0, 0.3)] {
+            let at = turning.turn(1.0) * place;
+            let spot = held.spot(DVec2::new(at.x, at.z));
+            assert!((spot.height - at.y).abs() < 1e-12 && spot.normal.distance(turning.turn(1.0) * DVec3::Y) < 1e-12);
+            assert_eq!(turning.spot(DVec2::new(at.x, at.z)).height, 0.0);
         }
     }
 

@@ -11,11 +11,11 @@ use super::linear::{Factored, Matrix6};
 use super::swing::Reference;
 use super::tuning::Tuning;
 use super::world::{JointDrive, LinkState, World};
+use super::{flat, short};
 use crate::maths::hull::{closest_point, signed_distance};
 use crate::maths::pendulum::GRAVITY;
 use crate::maths::quat::{wrap_angle, yaw_of};
 use crate::model::{Side, Terrain};
-use super::{flat, short};
 use glam::{DQuat, DVec2, DVec3};
 
 /// N m, the most that a joint gives.
@@ -243,7 +243,8 @@ impl Controller {
         if self.swing.is_some_and(|swing| !swing.comfort) || signed_distance(&hull, xi) > -0.02 * self.size {
             self.alarmed = self.time;
         }
-        let moment = (tuning.moment[0] + if moving { tuning.moment[1] * fast } else { 0.0 }) * (mass / 89.5) * self.size;
+        let moment =
+            (tuning.moment[0] + if moving { tuning.moment[1] * fast } else { 0.0 }) * (mass / 89.5) * self.size;
         let goal = middle + (xi - middle) * tuning.cop_gain;
         let inside = closest_point(&hull, goal).unwrap_or(middle);
         let cop = inside + (goal - inside).clamp_length_max(moment / (mass * GRAVITY));
@@ -253,8 +254,7 @@ impl Controller {
         let most = tuning.sink * dt * self.size.sqrt();
         self.aimed += (aim - self.aimed).clamp(-most, most);
         let wanted_height = self.aimed;
-        let up = GRAVITY
-            + tuning.height[0] * (wanted_height - self.states[0].origin.y) / self.size.sqrt()
+        let up = GRAVITY + tuning.height[0] * (wanted_height - self.states[0].origin.y) / self.size.sqrt()
             - tuning.height[1] * self.motion.velocity.y;
         let up = up.clamp(0.6 * GRAVITY, 2.0 * GRAVITY);
         let level = (flat(self.motion.com) - cop) * (up / height);
@@ -293,7 +293,8 @@ impl Controller {
         for side in Side::BOTH {
             if self.swing.is_none_or(|swing| swing.side != side) {
                 let leg = figure.legs[side as usize];
-                let change = legs[side as usize].change(-self.motion.origin_velocity(leg[2]), -self.states[leg[2]].spin);
+                let change =
+                    legs[side as usize].change(-self.motion.origin_velocity(leg[2]), -self.states[leg[2]].spin);
                 for (link, change) in leg.into_iter().zip(change) {
                     self.stopped[link] = change * tuning.snap;
                 }
@@ -318,7 +319,16 @@ impl Controller {
         let corners = self.corners(figure, terrain);
         let wanted = Wanted { linear, angular, weights: tuning.weights };
         let mut forces = std::mem::take(&mut self.forces);
-        let wrench = forces.solve(&corners, self.motion.com, mass, terrain.friction.clamp(0.0, 0.95), &base, &bias, &wanted, tuning.ridge);
+        let wrench = forces.solve(
+            &corners,
+            self.motion.com,
+            mass,
+            terrain.friction.clamp(0.0, 0.95),
+            &base,
+            &bias,
+            &wanted,
+            tuning.ridge,
+        );
         let mut less = wrench;
         for (value, bias) in less.iter_mut().zip(bias) {
             *value -= bias;
@@ -412,13 +422,9 @@ impl Controller {
                 _ => false,
             };
             let scale = self.motion.mass / 89.5 * self.size * self.size;
-            let stiffness = if bears {
-                self.tuning.bearing[0] * scale
-            } else {
-                share * link.carried * link.omega * link.omega
-            };
-            let damping =
-                if bears { self.tuning.bearing[1] * scale } else { share * 2.0 * link.carried * link.omega };
+            let stiffness =
+                if bears { self.tuning.bearing[0] * scale } else { share * link.carried * link.omega * link.omega };
+            let damping = if bears { self.tuning.bearing[1] * scale } else { share * 2.0 * link.carried * link.omega };
             let mut torque = back * self.needed[index];
             if let Freedom::Hinge { axis, .. } = link.freedom {
                 torque = axis * axis.dot(torque);

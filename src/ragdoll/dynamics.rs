@@ -165,12 +165,17 @@ impl LegMap {
             _ => motion.states[hip].turn * DVec3::X,
         };
         let shank = motion.states[knee].turn;
-        let axes =
-            [over * DVec3::X, over * DVec3::Y, over * DVec3::Z, knee_axis, shank * DVec3::X, shank * DVec3::Z];
+        let axes = [over * DVec3::X, over * DVec3::Y, over * DVec3::Z, knee_axis, shank * DVec3::X, shank * DVec3::Z];
         let at = motion.states[ankle].origin;
         let mut jacobian = [[0.0; 6]; 6];
         for (column, axis) in axes.iter().enumerate() {
-            let joint = if column < 3 { hip } else if column == 3 { knee } else { ankle };
+            let joint = if column < 3 {
+                hip
+            } else if column == 3 {
+                knee
+            } else {
+                ankle
+            };
             let linear = axis.cross(at - motion.states[joint].origin);
             for (row, value) in [linear.x, linear.y, linear.z, axis.x, axis.y, axis.z].into_iter().enumerate() {
                 jacobian[row][column] = value;

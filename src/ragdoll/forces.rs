@@ -3,8 +3,8 @@
 //! A quadratic programme with non-negative unknowns (four edges of the friction cone at each corner), by coordinate descent
 //! from the last tick's answer. Scenario space, SI. The unknowns are shares of the body's weight.
 
-use super::linear::Factored;
 use super::dynamics::Wrench;
+use super::linear::Factored;
 use glam::DVec3;
 
 /// Edges of a friction pyramid.
@@ -65,8 +65,7 @@ impl Forces {
         let weight = mass * crate::maths::pendulum::GRAVITY;
         let [side, up, level, yaw] = wanted.weights;
         let scale = [side, up, side, level, yaw, level];
-        let keys: Vec<(usize, usize)> =
-            corners.iter().flat_map(|(id, _)| (0..EDGES).map(|edge| (*id, edge))).collect();
+        let keys: Vec<(usize, usize)> = corners.iter().flat_map(|(id, _)| (0..EDGES).map(|edge| (*id, edge))).collect();
         let shares: Vec<f64> = keys
             .iter()
             .map(|key| self.keys.iter().position(|old| old == key).map_or(0.0, |at| self.shares[at]))

@@ -3,7 +3,9 @@
 use super::world::{rotation, vector};
 use crate::model::Terrain;
 use crate::model::scenario::GroundKind;
-use glam::{DQuat, DVec3};
+use crate::model::terrain::FIRST;
+use glam::{DQuat, DVec2, DVec3};
+use rapier3d::parry::utils::Array2;
 use rapier3d::prelude::*;
 
 /// A piece of ground that may be moved.
@@ -15,6 +17,11 @@ pub(super) struct Piece {
 /// m, how thick the pieces are and how far they reach.
 const DEEP: f64 = 2.0;
 const FAR: f64 = 200.0;
+/// m, so far ahead there are gaps.
+const WALKED: f64 = 100.0;
+/// m, half side of the height field of uneven ground, and of its cells.
+const ROUGH: f64 = 15.0;
+const CELL: f64 = 0.1;
 
 /// Puts the ground into the world.
 pub(super) fn build(physics: &mut PhysicsWorld, terrain: &Terrain, groups: InteractionGroups) -> Vec<Piece> {
@@ -23,13 +30,20 @@ pub(super) fn build(physics: &mut PhysicsWorld, terrain: &Terrain, groups: Inter
         shape.friction(friction).friction_combine_rule(CoefficientCombineRule::Min).collision_groups(groups)
     };
     let block = |half: DVec3| dressed(ColliderBuilder::cuboid(half.x as f32, half.y as f32, half.z as f32));
+    let still = RigidBodyBuilder::fixed;
+    // A floor between two z, its top at that height.
+    let level = |[from, to]: [f64; 2], top: f64| {
+        let middle = DVec3::new(0.0, top - DEEP, 0.5 * (from + to));
+        block(DVec3::new(FAR, DEEP, 0.5 * (to - from))).position(Pose::from_parts(vector(middle), Rotation::IDENTITY))
+    };
     let mut pieces = Vec::new();
     match &terrain.kind {
         GroundKind::Platform { .. } => {
             let side = 0.5 * crate::model::terrain::PLATFORM_SIDE;
             let (handle, _) = physics.insert(
                 RigidBodyBuilder::kinematic_position_based(),
-                block(DVec3::new(side, 0.1, side)).position(Pose::from_parts(vector(DVec3::NEG_Y * 0.1), Rotation::IDENTITY)),
+                block(DVec3::new(side, 0.1, side))
+                    .position(Pose::from_parts(vector(DVec3::NEG_Y * 0.1), Rotation::IDENTITY)),
             );
             pieces.push(Piece { handle, moves: true });
         }
@@ -40,9 +54,40 @@ pub(super) fn build(physics: &mut PhysicsWorld, terrain: &Terrain, groups: Inter
             let (handle, _) = physics.insert(body, block(DVec3::new(FAR, DEEP, FAR)));
             pieces.push(Piece { handle, moves: false });
         }
-        _ => {
-            let body = RigidBodyBuilder::fixed().translation(vector(DVec3::NEG_Y * DEEP));
-            let (handle, _) = physics.insert(body, block(DVec3::new(FAR, DEEP, FAR)));
+        GroundKind::Flat => {
+            let (handle, _) = physics.insert(still(), level([-FAR, FAR], 0.0));
+            pieces.push(Piece { handle, moves: false });
+        }
+        GroundKind::Stairs { rise, tread, count } => {
+            let handle = physics.insert_body(still());
+            for step in 0..=*count {
+                let from = if step == 0 { -FAR } else { FIRST + tread * f64::from(step - 1) };
+                let to = if step == *count { FAR } else { FIRST + tread * f64::from(step) };
+                physics.insert_collider(level([from, to], rise * f64::from(step)), Some(handle));
+            }
+            pieces.push(Piece { handle, moves: false });
+        }
+        GroundKind::Gaps { width, spacing } => {
+            let handle = physics.insert_body(still());
+            physics.insert_collider(level([-FAR, FIRST], 0.0), Some(handle));
+            for gap in 0..((WALKED / spacing) as usize).min(500) {
+                let from = FIRST + spacing * gap as f64;
+                physics.insert_collider(level([from + width, from + spacing], 0.0), Some(handle));
+            }
+            pieces.push(Piece { handle, moves: false });
+        }
+        GroundKind::Uneven { .. } => {
+            let handle = physics.insert_body(still());
+            let count = (2.0 * ROUGH / CELL) as usize + 1;
+            let at = |index: usize| -ROUGH + CELL * index as f64;
+            let mut heights = Vec::with_capacity(count * count);
+            for column in 0..count {
+                heights.extend((0..count).map(|row| terrain.spot(DVec2::new(at(column), at(row))).height as f32));
+            }
+            let side = (CELL * (count - 1) as f64) as f32;
+            let heights = Array2::new(count, count, heights);
+            let field = ColliderBuilder::heightfield(heights, Vector::new(side, 1.0, side));
+            physics.insert_collider(dressed(field), Some(handle));
             pieces.push(Piece { handle, moves: false });
         }
     }

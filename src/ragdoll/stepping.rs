@@ -2,13 +2,13 @@
 
 use super::control::{Controller, Swing};
 use super::figure::Figure;
+use super::flat;
 use super::plan::{self, Situation};
 use super::swing::{self, Reference};
 use crate::maths::hull::{closest_point, convex_hull, shrink, signed_distance};
 use crate::maths::pendulum::GRAVITY;
 use crate::maths::quat::wrap_angle;
 use crate::model::{Side, Terrain};
-use super::flat;
 use glam::{DVec2, DVec3};
 
 impl Controller {
@@ -39,7 +39,16 @@ impl Controller {
     }
 
     /// Lands, aims and starts swings.
-    pub(super) fn step(&mut self, figure: &Figure, terrain: &Terrain, pressed: [bool; 2], loads: [f64; 2], xi: DVec2, rate: f64, dt: f64) {
+    pub(super) fn step(
+        &mut self,
+        figure: &Figure,
+        terrain: &Terrain,
+        pressed: [bool; 2],
+        loads: [f64; 2],
+        xi: DVec2,
+        rate: f64,
+        dt: f64,
+    ) {
         if let Some(mut swing) = self.swing {
             let passed = self.time - swing.start;
             let (ankle, _) = self.foot(figure, swing.side);
@@ -116,8 +125,7 @@ impl Controller {
                     time: target.time,
                     target: target.at,
                     from: ground,
-                    lift: self.tuning.lift[0] * self.size
-                        + self.tuning.lift[1] * (travel - 0.4 * self.size).max(0.0),
+                    lift: self.tuning.lift[0] * self.size + self.tuning.lift[1] * (travel - 0.4 * self.size).max(0.0),
                     reference: Reference { at: ground, ..Reference::default() },
                     comfort: false,
                     yaw,

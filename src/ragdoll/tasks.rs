@@ -32,7 +32,11 @@ impl Controller {
                     let left = (swing.start + swing.time - self.time).max(0.0);
                     let goal = swing.target - self.ahead(swing.yaw);
                     let drift = flat(self.motion.velocity) * left;
-                    let at = DVec3::new(goal.x - drift.x, self.states[ankle].origin.y.min(floor + figure.ankle_height), goal.y - drift.y);
+                    let at = DVec3::new(
+                        goal.x - drift.x,
+                        self.states[ankle].origin.y.min(floor + figure.ankle_height),
+                        goal.y - drift.y,
+                    );
                     (at, self.tuning.reach[1] + 0.05 * left / swing.time)
                 }
                 _ => {
@@ -72,7 +76,8 @@ impl Controller {
                         + (goal - state.origin) * tuning.foot[0]
                         + (swing.reference.velocity - velocity) * tuning.foot[1])
                         .clamp_length_max(tuning.foot_most[0]),
-                    angular: (error * tuning.foot_turn[0] - state.spin * tuning.foot_turn[1]).clamp_length_max(tuning.foot_most[1]),
+                    angular: (error * tuning.foot_turn[0] - state.spin * tuning.foot_turn[1])
+                        .clamp_length_max(tuning.foot_most[1]),
                 }
             }
             _ => {
@@ -92,10 +97,7 @@ impl Controller {
                 let back = spot.normal * ((gap + 0.001).max(0.0) * tuning.settle);
                 let angular = (tilt * tuning.level - state.spin * tuning.hold).clamp_length_max(400.0);
                 let held = -self.motion.origin_velocity(foot) * tuning.hold - back;
-                Acceleration {
-                    linear: held.clamp_length_max(100.0) + angular.cross(state.origin - pivot),
-                    angular,
-                }
+                Acceleration { linear: held.clamp_length_max(100.0) + angular.cross(state.origin - pivot), angular }
             }
         }
     }
@@ -142,8 +144,7 @@ impl Controller {
                         }
                         _ => self.relative[index],
                     };
-                    self.accelerations[index] =
-                        self.motion.child(figure, index, &self.accelerations[parent], relative);
+                    self.accelerations[index] = self.motion.child(figure, index, &self.accelerations[parent], relative);
                 }
             }
         }
@@ -166,7 +167,13 @@ impl Controller {
                 let at = state.origin + state.turn * (middle + (*corner - middle) * self.tuning.inside);
                 let spot = terrain.spot(flat(at));
                 if at.y - spot.height < 0.02 * self.size {
-                    let corner = Corner { at, normal: spot.normal, foot: side as usize, dear, least: if moving || self.shifting.is_some() { 0.0 } else { self.tuning.least / 4.0 } };
+                    let corner = Corner {
+                        at,
+                        normal: spot.normal,
+                        foot: side as usize,
+                        dear,
+                        least: if moving || self.shifting.is_some() { 0.0 } else { self.tuning.least / 4.0 },
+                    };
                     corners.push((side as usize * 4 + index, corner));
                 }
             }

@@ -9,8 +9,11 @@ use glam::{DQuat, DVec3};
 use rapier3d::prelude::*;
 
 /// Balls meet all.
-const BALL: InteractionGroups =
-    InteractionGroups::new(Group::GROUP_3, Group::GROUP_1.union(Group::GROUP_2).union(Group::GROUP_3), InteractionTestMode::And);
+const BALL: InteractionGroups = InteractionGroups::new(
+    Group::GROUP_3,
+    Group::GROUP_1.union(Group::GROUP_2).union(Group::GROUP_3),
+    InteractionTestMode::And,
+);
 /// Share of the closing speed that a ball bounces with.
 const RESTITUTION: f32 = 0.35;
 /// m, from how far away a contact is foreseen: what a fast ball makes in a tick, and a bit.

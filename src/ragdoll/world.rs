@@ -68,6 +68,8 @@ impl World {
         physics.gravity = vector(DVec3::NEG_Y * 9.81);
         physics.integration_parameters.num_solver_iterations = iterations;
         physics.integration_parameters.contact_recycling = false;
+        // The engine's CCD would hold single fast links back against their joints; contacts are found without it.
+        physics.integration_parameters.max_ccd_substeps = 0;
         physics.integration_parameters.friction_model = FrictionModel::Coulomb;
         let (mut links, mut boxes, mut frames) = (Vec::new(), Vec::new(), Vec::new());
         let mut root = None;
@@ -262,6 +264,20 @@ impl World {
             .filter(|pair| still(pair.collider1) || still(pair.collider2))
             .map(|pair| f64::from(pair.total_impulse_magnitude()))
             .sum()
+    }
+
+    /// A link other than a foot that bears on the ground; shanks only where the knee is down.
+    pub fn lies_on(&self, figure: &Figure, states: &[LinkState], terrain: &Terrain) -> Option<usize> {
+        let least = 0.03 * figure.mass * 9.81 * self.dt;
+        (0..figure.links.len()).find(|index| {
+            let at = states[*index].origin;
+            let knee = || at.y - terrain.spot(glam::DVec2::new(at.x, at.z)).height < 0.2 * figure.leg_length;
+            match figure.links[*index].part {
+                Part::Foot(_) => false,
+                Part::Shank(_) => knee() && self.pressed(*index) > least,
+                _ => self.pressed(*index) > least,
+            }
+        })
     }
 
     /// Is either foot's box pressed: left, right.

@@ -11,9 +11,11 @@ use crate::maths::quat::{rotation_vector, yaw_of};
 use crate::measure::{KnownPush, PushPoint};
 use crate::model::{Body, BodyPose, Physique, Plant, Role, Side, Terrain};
 use crate::ragdoll::control::{Assist, Report};
-use crate::ragdoll::{Controller, Figure, fall, LinkState, Locks, Tuning, World};
+use crate::ragdoll::{Controller, Figure, LinkState, Locks, Tuning, World, fall};
+use crate::stepper::footing::to_ground;
 use crate::stepper::{Phase, Step, StepKind};
 use crate::whole_body::reaction::{Personality, Reaction, Senses, upper_turns};
+use crate::whole_body::solve::PoseTarget;
 use crate::whole_body::stand::relaxed_arms;
 use crate::whole_body::{Anatomy, ArmAngles, Solver, stand};
 use glam::{DQuat, DVec2, DVec3, EulerRot};
@@ -26,20 +28,13 @@ const FALLEN: f64 = 0.57;
 const GIVES_WAY: f64 = 0.82;
 /// Hz, above which the links' turns are jitter.
 const JITTER: f64 = 9.0;
+/// m/s and m, from where on a foot that should stand has slid.
+const SLIDES: (f64, f64) = (0.15, 0.03);
 /// s after a landing until a sole has settled.
 const SETTLED: f64 = 0.06;
 /// s, the longest that a fall goes on, and for how long no link may be faster than that (m/s) for it to be over.
 const LONGEST_FALL: f64 = 2.5;
 const LIES: (f64, f64) = (0.3, 0.08);
-
-/// s and m/s: a bearing foot whose mean speed over that long before and after is higher drags.
-const DRAG_SPAN: f64 = 0.05;
-/// As [`DRAG_SPAN`] says.
-const DRAG_SPEED: f64 = 0.12;
-/// s, a foot that stands for less did not stand.
-const HARDLY: f64 = 0.14;
-/// m, shorter drags are left out: the foot stands in their mean.
-const DRAGGED: f64 = 0.025;
 
 /// The upper body at a tick: what a pose is made of beside its feet and its centre of mass.
 #[derive(Clone, Copy, Debug)]
@@ -76,6 +71,8 @@ pub struct Articulated {
     pub peak_torque: f64,
     /// The body as the links stand, one a tick and on through the fall; empty where there is none.
     pub poses: Vec<BodyPose>,
+    /// s, when the foot was lifted that never stood again before the fall.
+    pub unlanded: Option<f64>,
     /// The balls that were thrown.
     pub balls: Vec<Flown>,
 }
@@ -118,9 +115,12 @@ pub fn simulate_with(
     let full = attempt(body, anatomy, physique, terrain, options, pushes, assist, incoming, None)?;
     let Some(_) = full.trace.lost else { return Ok(full) };
     // Nobody fights until he lies: seen from the end, the joints give way as soon as the body sinks for good.
-    let floor = |tick: &TickState| terrain.spot(DVec2::new(tick.com.x, tick.com.z)).height;
-    let up = |tick: &TickState| tick.com.y - floor(tick) > GIVES_WAY * physique.com_height;
-    let last = full.trace.ticks.iter().rposition(up).unwrap_or(0);
+    let up = |(index, tick): (usize, &TickState)| {
+        let ground = terrain.held_at(index as f64 * options.dt);
+        let floor = ground.spot(DVec2::new(tick.com.x, tick.com.z)).height;
+        tick.com.y - floor > GIVES_WAY * physique.com_height
+    };
+    let last = full.trace.ticks.iter().enumerate().rev().find(|entry| up(*entry)).map_or(0, |(index, _)| index);
     attempt(body, anatomy, physique, terrain, options, pushes, assist, incoming, Some(last))
 }
 
@@ -141,7 +141,8 @@ fn attempt(
     let target = stand::stand_target(body, &plants, DVec3::Y * physique.com_height, 0.0);
     let standing = Solver::new(body, anatomy).solve(&target).pose;
     let figure = Figure::new(body, &standing, Locks::default());
-    let mut run = Run::new(&figure, &standing, body, terrain, options.dt);
+    let first = on_ground(body, anatomy, physique, terrain, &plants, &target).unwrap_or_else(|| standing.clone());
+    let mut run = Run::new(&figure, &first, body, terrain, options.dt);
     run.control.assist = assist;
     let mut reaction = Reaction::new(physique, Personality::default(), 0.5);
     let planned = (options.duration / options.dt - 1e-9).ceil().max(0.0) as usize;
@@ -166,7 +167,8 @@ fn attempt(
             break;
         }
         run.world.clear_forces();
-        let report = run.control.tick(&figure, &mut run.world, terrain);
+        let ground = terrain.held_at(time);
+        let report = run.control.tick(&figure, &mut run.world, &ground);
         poses.push(pose_of(&figure, run.control.states()));
         let facing = yaw_of(run.control.states()[0].turn);
         for push in acting.iter_mut().filter(|push| push.turns && push.start < time + options.dt - 1e-9) {
@@ -176,14 +178,15 @@ fn attempt(
         let (force, moment) = run.push(&figure, body, &acting, pushes, time, report.com);
         let (hit, hit_moment) = run.balls.felt(report.com, options.dt);
         let (force, moment) = (force + hit, moment + hit_moment);
-        record.tick(&figure, &run.control, &report, (force, moment), physique, time);
+        record.tick(&figure, &run.control, &report, (force, moment), &ground, time);
         let state = record.ticks.last().expect("just recorded");
         let angles = reaction.tick(&senses(state), options.dt);
         let (_, _, _, arms) = upper_turns(&angles);
         run.pose_arms(&figure, &arms);
         rest = if run.control.swing.is_none() && report.velocity.length() < 0.05 { rest + options.dt } else { 0.0 };
-        let over = report.com.y - terrain.spot(DVec2::new(report.com.x, report.com.z)).height;
-        if gives_way == Some(tick) || over < FALLEN * physique.com_height {
+        let over = report.com.y - ground.spot(DVec2::new(report.com.x, report.com.z)).height;
+        let lies = run.world.lies_on(&figure, run.control.states(), &ground).is_some();
+        if gives_way == Some(tick) || lies || over < FALLEN * physique.com_height {
             lost = Some(time);
             run.fall(&figure, body, terrain, tick, &mut poses)?;
             break;
@@ -196,7 +199,36 @@ fn attempt(
         poses.clear();
     }
     let balls = run.balls.finish();
-    Ok(Articulated { poses, balls, ..record.finish(options.dt, acting, lost, rest, &figure) })
+    Ok(Articulated { poses, balls, ..record.finish(options.dt, acting, lost, rest, terrain) })
+}
+
+/// The stand with the soles on ground that is not flat.
+fn on_ground(
+    body: &Body,
+    anatomy: &Anatomy,
+    physique: &Physique,
+    terrain: &Terrain,
+    plants: &[Plant; 2],
+    level: &PoseTarget,
+) -> Option<BodyPose> {
+    if terrain.is_flat() {
+        return None;
+    }
+    let ground = terrain.held_at(0.0);
+    let mut target = level.clone();
+    let mut base = 0.0;
+    for side in Side::BOTH {
+        let plant = &plants[side as usize];
+        let spot = ground.spot(DVec2::new(plant.ankle.x, plant.ankle.z));
+        let lean = DQuat::from_rotation_arc(DVec3::Y, spot.normal);
+        let foot = &mut target.feet[side as usize];
+        foot.ankle =
+            DVec3::new(plant.ankle.x, spot.height, plant.ankle.z) + spot.normal * body.feet[side as usize].ankle_height;
+        (foot.foot, foot.toe) = (lean * foot.foot, lean * foot.toe);
+        base += 0.5 * (foot.ankle.y - body.feet[side as usize].ankle_height);
+    }
+    target.com = DVec3::Y * (physique.com_height + base);
+    Some(Solver::new(body, anatomy).solve(&target).pose)
 }
 
 fn pose_of(figure: &Figure, states: &[LinkState]) -> BodyPose {
@@ -365,14 +397,17 @@ impl Record {
         control: &Controller,
         report: &Report,
         (push, push_moment): (DVec3, DVec3),
-        physique: &Physique,
+        ground: &Terrain,
         time: f64,
     ) {
         let states = control.states();
         let feet = Side::BOTH.map(|side| {
             let state = states[figure.legs[side as usize][2]];
-            let ankle = state.origin - DVec3::Y * figure.ankle_height;
-            Plant::level(DVec3::new(ankle.x, 0.0, ankle.z), yaw_of(state.turn) + self.start[side as usize].yaw)
+            let yaw = yaw_of(state.turn) + self.start[side as usize].yaw;
+            let normal = if ground.is_flat() { DVec3::Y } else { state.turn * DVec3::Y };
+            let ankle = state.origin - normal * figure.ankle_height;
+            let ankle = if ground.is_flat() { DVec3::new(ankle.x, 0.0, ankle.z) } else { ankle };
+            Plant { ankle, yaw, normal }
         });
         for side in Side::BOTH {
             let bears = report.bears[side as usize];
@@ -403,7 +438,6 @@ impl Record {
             gait: Phase::Rest,
             crouched: 0.0,
         });
-        debug_assert!(physique.mass > 0.0);
         self.upper.push(upper(figure, states));
         let [torque, force] = report.help.map(DVec3::length);
         self.help.torque = [self.help.torque[0].max(torque), self.help.torque[1] + torque * torque];
@@ -411,79 +445,43 @@ impl Record {
         self.peak_torque = self.peak_torque.max(report.peak_torque);
     }
 
-    fn finish(mut self, dt: f64, pushes: Vec<SessionPush>, lost: Option<f64>, rest: f64, figure: &Figure) -> Articulated {
-        debug_assert!(figure.mass > 0.0);
+    fn finish(
+        mut self,
+        dt: f64,
+        pushes: Vec<SessionPush>,
+        lost: Option<f64>,
+        rest: f64,
+        terrain: &Terrain,
+    ) -> Articulated {
         let count = self.ticks.len().max(1) as f64;
         self.help.torque[1] = (self.help.torque[1] / count).sqrt();
         self.help.force[1] = (self.help.force[1] / count).sqrt();
-        self.lift_what_drags(dt);
-        let steps = self.steps(dt);
+        let steps = self.steps(dt, terrain);
         let upper = smooth(&self.upper, 1.0 / dt);
-        let trace = Trace {
-            dt,
-            ticks: self.ticks,
-            steps,
-            aloft: None,
-            pushes,
-            start: self.start,
-            lost,
-            rest,
-        };
-        Articulated { trace, upper, help: self.help, peak_torque: self.peak_torque, poses: Vec::new(), balls: Vec::new() }
-    }
-
-    /// A bearing foot that a stretched leg dragged along is drawn as a step from where the drag began to where it ended.
-    fn lift_what_drags(&mut self, dt: f64) {
-        let count = self.ticks.len();
-        let around = (DRAG_SPAN / dt).round().max(1.0) as usize;
-        let mut drawn = Vec::new();
-        for side in Side::BOTH {
-            let foot = side as usize;
-            let at = |index: usize| self.ticks[index].feet[foot].ankle;
-            let drags = |index: usize| {
-                let (from, to) = (index.saturating_sub(around), (index + around).min(count - 1));
-                (from..=to).all(|index| self.ticks[index].planted[foot])
-                    && (at(to) - at(from)).length() > DRAG_SPEED * (to - from) as f64 * dt
-            };
-            let mut runs: Vec<[usize; 2]> = Vec::new();
-            for index in 0..count {
-                if drags(index) {
-                    match runs.last_mut() {
-                        Some(run) if index <= run[1] + 2 * around => run[1] = index,
-                        _ => runs.push([index, index]),
-                    }
-                }
-            }
-            for [from, to] in runs {
-                let (from, to) = (from.saturating_sub(around), (to + around).min(count - 1));
-                if (at(to) - at(from)).length() > DRAGGED {
-                    drawn.push((side, StepKind::Corrective, from as f64 * dt, to as f64 * dt));
-                }
-            }
+        let aloft = self.lifted.iter().flatten().map(|(lift, _)| *lift).reduce(f64::min);
+        let unlanded = aloft.filter(|_| lost.is_some());
+        let trace = Trace { dt, ticks: self.ticks, steps, aloft: None, pushes, start: self.start, lost, rest };
+        Articulated {
+            trace,
+            upper,
+            help: self.help,
+            peak_torque: self.peak_torque,
+            poses: Vec::new(),
+            unlanded,
+            balls: Vec::new(),
         }
-        self.swings.extend(drawn);
-        self.swings.sort_by(|a, b| a.2.total_cmp(&b.2));
-        // A foot that hardly stood between two swings did not stand.
-        let mut merged: Vec<(Side, StepKind, f64, f64)> = Vec::new();
-        for swing in std::mem::take(&mut self.swings) {
-            match merged.iter_mut().rev().find(|before| before.0 == swing.0) {
-                Some(before) if swing.2 < before.3 + HARDLY => before.3 = before.3.max(swing.3),
-                _ => merged.push(swing),
-            }
-        }
-        self.swings = merged;
     }
 
     /// Steps between the places where the feet stood while they stood.
-    fn steps(&self, dt: f64) -> Vec<Step> {
+    fn steps(&self, dt: f64, terrain: &Terrain) -> Vec<Step> {
         let last = self.ticks.len() as f64 * dt;
         let mut steps: Vec<Step> = Vec::new();
         for side in Side::BOTH {
-            let own: Vec<_> = self.swings.iter().filter(|swing| swing.0 == side).collect();
+            let own = self.with_slides(side, dt, terrain);
             let mut from = self.start[side as usize];
-            for (index, (_, kind, lift, land)) in own.iter().enumerate() {
-                let until = own.get(index + 1).map_or(last, |next| next.2);
-                let to = self.stood(side, (land + SETTLED).min(until), until, dt);
+            for (index, (kind, lift, land)) in own.iter().enumerate() {
+                let until = own.get(index + 1).map_or(last, |next| next.1);
+                let to = self.stood(side, (land + SETTLED).min(until), until, dt, terrain);
                 steps.push(Step { side, kind: *kind, lift: *lift, land: *land, from, to });
                 from = to;
             }
@@ -492,12 +490,67 @@ impl Record {
         steps
     }
 
-    /// Where a foot stood between two times, in the mean.
-    fn stood(&self, side: Side, from: f64, to: f64, dt: f64) -> Plant {
+    /// Swings of a foot (why, lift, land), with those in which it slid along the ground: a clip's foot holds still or is lifted.
+    fn with_slides(&self, side: Side, dt: f64, terrain: &Terrain) -> Vec<(StepKind, f64, f64)> {
+        let mut swings: Vec<(StepKind, f64, f64)> = (self.swings.iter())
+            .filter(|swing| swing.0 == side)
+            .map(|(_, kind, lift, land)| (*kind, *lift, *land))
+            .collect();
+        let place: Vec<DVec2> = (self.ticks.iter().enumerate())
+            .map(|(index, tick)| {
+                let ankle = to_ground(&tick.feet[side as usize], terrain.turn(index as f64 * dt)).ankle;
+                DVec2::new(ankle.x, ankle.z)
+            })
+            .collect();
+        let aloft = |time: f64| {
+            let swings = swings.iter().any(|swing| swing.1 <= time + 1e-9 && time < swing.2 - 1e-9);
+            swings || self.lifted[side as usize].is_some_and(|(lift, _)| time >= lift - 1e-9)
+        };
+        let slides: Vec<bool> = (place.windows(2).enumerate())
+            .map(|(index, pair)| !aloft(index as f64 * dt) && pair[0].distance(pair[1]) > SLIDES.0 * dt)
+            .collect();
+        let mut found = Vec::new();
+        let mut index = 0;
+        while index < slides.len() {
+            if !slides[index] {
+                index += 1;
+                continue;
+            }
+            let first = index;
+            let mut end = index + 1;
+            while end < slides.len() && slides[end..(end + 4).min(slides.len())].iter().any(|slides| *slides) {
+                end += 1;
+            }
+            index = end;
+            if place[first].distance(place[end]) > SLIDES.1 {
+                found.push((first as f64 * dt, end as f64 * dt));
+            }
+        }
+        for (from, to) in found {
+            // What slides before it lifts or after it landed belongs to that swing.
+            if let Some(swing) = swings.iter_mut().find(|swing| (swing.1 - to).abs() < 0.06) {
+                swing.1 = from;
+            } else if let Some(swing) = swings.iter_mut().find(|swing| (from - swing.2).abs() < 0.06) {
+                swing.2 = to;
+            } else {
+                swings.push((StepKind::Corrective, from, to.max(from + 0.12)));
+            }
+        }
+        swings.sort_by(|a, b| a.1.total_cmp(&b.1));
+        for index in 1..swings.len() {
+            swings[index].1 = swings[index].1.max(swings[index - 1].2 + dt);
+            swings[index].2 = swings[index].2.max(swings[index].1 + 0.1);
+        }
+        swings
+    }
+
+    /// Where a foot stood between two times, in the mean, in the ground's frame.
+    fn stood(&self, side: Side, from: f64, to: f64, dt: f64, terrain: &Terrain) -> Plant {
         let last = self.ticks.len() - 1;
         let first = ((from / dt).round() as usize).min(last);
         let end = ((to / dt).round() as usize).clamp(first, last);
-        let plants = self.ticks[first..=end].iter().map(|tick| tick.feet[side as usize]);
+        let plants =
+            (first..=end).map(|tick| to_ground(&self.ticks[tick].feet[side as usize], terrain.turn(tick as f64 * dt)));
         let count = (end - first + 1) as f64;
         let ankle = plants.clone().map(|plant| plant.ankle).sum::<DVec3>() / count;
         let yaw = plants.map(|plant| plant.yaw).sum::<f64>() / count;

@@ -93,8 +93,7 @@ fn table(subject: &Subject, count: usize, bins: &[usize]) {
             .par_iter()
             .zip(&free)
             .filter(|(push, (up, _))| {
-                *up || allowed != [0.0, 0.0]
-                    && ladder(allowed).iter().any(|bound| subject.pushed(push, *bound).0)
+                *up || allowed != [0.0, 0.0] && ladder(allowed).iter().any(|bound| subject.pushed(push, *bound).0)
             })
             .count();
         let [low, high] = wilson(up, count);
@@ -167,7 +166,11 @@ fn standing(subject: &Subject) {
     if let Ok(run) = run {
         let ticks = &run.trace.ticks;
         let drift = |from: usize| (ticks[ticks.len() - 1].com - ticks[from].com).with_y(0.0).length() * 1000.0;
-        println!("\nstanding 60 s: drift {:.1} mm from the start, {:.1} mm after the first second", drift(0), drift(100));
+        println!(
+            "\nstanding 60 s: drift {:.1} mm from the start, {:.1} mm after the first second",
+            drift(0),
+            drift(100)
+        );
     }
     let sixteen = (0..16)
         .filter(|index| {
@@ -186,7 +189,10 @@ fn ticks(subject: &Subject) {
     let target = stand::stand_target(&subject.body, &plants, com, 0.0);
     let pose = Solver::new(&subject.body, &subject.anatomy).solve(&target).pose;
     println!();
-    for (name, locks) in [("all joints", Locks::default()), ("hands and head locked", Locks { hands: true, head: true, ..Locks::default() })] {
+    for (name, locks) in [
+        ("all joints", Locks::default()),
+        ("hands and head locked", Locks { hands: true, head: true, ..Locks::default() }),
+    ] {
         let figure = Figure::new(&subject.body, &pose, locks);
         let terrain = Terrain::flat();
         let mut world = World::new(&figure, &figure.placed(&subject.body, &pose), &terrain, 0.01, 4);

@@ -1,0 +1,253 @@
+//! The articulated body in its world: it falls without flying apart, balls hit it, every ground carries it, and what breaks
+//! down is caught in its tick.
+
+#![expect(clippy::print_stdout, reason = "numbers, and what was skipped")]
+
+use crate::limits_grid::rigs;
+use glam::{DQuat, DVec3};
+use surefoot::bake::{BakeError, BakeOptions, Baked, Drive, Helped, bake};
+use surefoot::measure::{KnownPush, PushPoint};
+use surefoot::model::report::Outcome;
+use surefoot::model::scenario::{Direction, Ground, GroundKind, Push, Scenario, Throw};
+use surefoot::model::{Body, BodyPose, Role, Side, Terrain};
+use surefoot::ragdoll::control::Assist;
+use surefoot::ragdoll::figure::Part;
+use surefoot::ragdoll::{Figure, LinkState, Locks, World};
+use surefoot::rig::Rig;
+use surefoot::sim::{Articulated, SimulateOptions, simulate_articulated};
+use surefoot::whole_body::{Anatomy, Solver, stand};
+
+fn built_in() -> Rig {
+    let none = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
+    surefoot::rig::load_bytes("builtin", surefoot::rig::mannequin::BUILTIN, &none, None)
+        .expect("the built-in rig loads")
+}
+
+fn alone(scenario: &Scenario) -> Baked {
+    let drive = Drive::Ragdoll(Helped::Within(Assist::default()));
+    bake(&built_in(), scenario, &BakeOptions { drive, ..BakeOptions::default() }).expect("it holds together")
+}
+
+fn shoved(force: f64, toward: Direction) -> Scenario {
+    let push = Push { start: 0.6, duration: 0.2, force, toward, at: Role::Chest };
+    Scenario { duration: 4.0, push: vec![push], ..Scenario::default() }
+}
+
+fn under_balls(density: f64) -> Scenario {
+    let throw = |start: f64, speed: f64, from: Direction| Throw {
+        start,
+        count: 10,
+        interval: 1.0,
+        radius: [0.1, 0.2],
+        density,
+        speed,
+        from,
+        at: Role::Chest,
+        spread: 0.2,
+    };
+    let throw = vec![throw(0.5, 8.5, Direction::Front), throw(1.0, 9.5, Direction::Left)];
+    Scenario { duration: 11.0, throw, ..Scenario::default() }
+}
+
+fn stands(body: &Body) -> BodyPose {
+    let anatomy = Anatomy::new(body);
+    let physique = stand::physique(body, &anatomy);
+    let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
+    let target = stand::stand_target(body, &plants, DVec3::Y * physique.com_height, 0.0);
+    Solver::new(body, &anatomy).solve(&target).pose
+}
+
+/// m/s, the fastest joint between two poses so far apart.
+fn fastest(body: &Body, from: &BodyPose, to: &BodyPose, dt: f64) -> f64 {
+    let (a, b) = (from.positions(body), to.positions(body));
+    a.iter().zip(&b).map(|(a, b)| a.distance(*b) / dt).fold(0.0, f64::max)
+}
+
+#[test]
+fn who_is_knocked_over_comes_down_whole_and_lies_still() {
+    for toward in [Direction::Front, Direction::Back, Direction::Left, Direction::Right] {
+        let baked = alone(&shoved(1600.0, toward));
+        let timeline = &baked.performance.timeline;
+        let (lost, end) = (baked.performance.lost.expect("no balance"), timeline.duration());
+        assert_eq!(baked.report.outcome, Outcome::Fall, "{toward:?}");
+        assert!(end - lost > 0.5 && end - timeline.stands() <= 2.5 + 0.5, "{toward:?}: from {lost} to {end}");
+        let ticks = ((end - lost + 0.2) / 0.01) as usize;
+        let poses: Vec<BodyPose> =
+            (0..=ticks).map(|tick| timeline.pose_at(end - 0.01 * (ticks - tick) as f64)).collect();
+        let speeds: Vec<f64> = poses.windows(2).map(|pair| fastest(&timeline.body, &pair[0], &pair[1], 0.01)).collect();
+        let worst = speeds.iter().copied().fold(0.0, f64::max);
+        let last = poses.last().expect("poses");
+        let low = last.positions(&timeline.body).iter().map(|at| at.y).fold(f64::INFINITY, f64::min);
+        println!(
+            "{toward:?}: falls {:.2} s, at most {worst:.1} m/s, ends at {:.2} m/s with the hips at {:.2} m, lowest joint {low:.3} m",
+            end - lost,
+            speeds.last().copied().unwrap_or(0.0),
+            last.hips.y
+        );
+        assert!(worst < 25.0, "{toward:?}: {worst} m/s");
+        assert!(last.hips.y < 0.45 && low > -0.05, "{toward:?}: hips {} lowest {low}", last.hips.y);
+        assert!(speeds.iter().rev().take(5).all(|speed| *speed < 0.7), "{toward:?} still moves");
+    }
+}
+
+#[test]
+fn who_keeps_balance_has_no_fall_in_the_clip() {
+    let baked = alone(&shoved(150.0, Direction::Back));
+    assert_ne!(baked.report.outcome, Outcome::Fall);
+    assert!(baked.performance.timeline.fallen.is_empty() && baked.performance.lost.is_none());
+}
+
+#[test]
+fn twenty_light_balls_do_not_fell_it_and_each_is_told() {
+    let mut stays = 0;
+    for seed in 101..111 {
+        let baked = alone(&Scenario { seed, ..under_balls(50.0) });
+        stays += u32::from(baked.report.outcome != Outcome::Fall);
+        let hits: Vec<_> = baked.report.events.iter().filter(|event| event.name == "ball_hit").collect();
+        assert!(hits.len() >= 15, "seed {seed}: {} hits", hits.len());
+        assert!(hits.iter().all(|hit| hit.bone.is_some() && hit.impulse.is_some_and(|size| size > 0.1 && size < 25.0)));
+        assert_eq!(baked.props.iter().filter(|prop| prop.name.starts_with("ball")).count(), 20);
+    }
+    println!("{stays} of 10 seeds stay up");
+    assert!(stays >= 9);
+}
+
+#[test]
+fn balls_of_stone_fell_it() {
+    assert_eq!(alone(&under_balls(1500.0)).report.outcome, Outcome::Fall);
+}
+
+#[test]
+fn a_ball_loses_the_momentum_that_the_body_is_said_to_get() {
+    let body = built_in().body;
+    let pose = stands(&body);
+    let figure = Figure::new(&body, &pose, Locks::default());
+    let mut world = World::new(&figure, &figure.placed(&body, &pose), &Terrain::flat(), 0.01, 4);
+    let chest = pose.positions(&body)[body.joint(Role::Chest).expect("a chest")];
+    let (mass, velocity) = (1.0, DVec3::new(0.0, 0.0, -9.0));
+    let ball = world.throw(0.12, mass, chest + DVec3::new(0.0, 0.05, 0.8), velocity);
+    let (mut given, mut speed) = (DVec3::ZERO, velocity);
+    for tick in 0..14 {
+        world.step(&Terrain::flat(), 0.01 * f64::from(tick));
+        given += world.blows(&figure, ball).iter().map(|blow| blow.impulse).sum::<DVec3>();
+        speed = world.ball(ball).2;
+    }
+    let lost = mass * (velocity - speed) + DVec3::NEG_Y * (9.81 * 0.14 * mass);
+    println!("given {given:.2}, lost {lost:.2}");
+    assert!(given.z < -9.0, "it bounces: {given}");
+    assert!((given.z - lost.z).abs() < 0.1 * lost.z.abs(), "{given} against {lost}");
+}
+
+#[test]
+fn it_stands_and_is_shoved_on_ground_that_is_not_level() {
+    let slope = |degrees: f64| GroundKind::Slope { angle: degrees.to_radians() };
+    let platform = |pitch: f64, roll: f64| {
+        let there = |degrees: f64| vec![[0.5, 0.0], [3.0, degrees.to_radians()], [6.0, 0.0]];
+        GroundKind::Platform { pitch: there(pitch), roll: there(roll) }
+    };
+    let uneven = GroundKind::Uneven { height: 0.05, wavelength: 1.5, seed: 4 };
+    for (kind, force) in [
+        (slope(10.0), 0.0),
+        (slope(-20.0), 0.0),
+        (slope(10.0), 150.0),
+        (slope(-10.0), 150.0),
+        (uneven, 200.0),
+        (platform(10.0, 0.0), 0.0),
+        (platform(0.0, -10.0), 0.0),
+        (platform(8.0, 5.0), 100.0),
+    ] {
+        let mut scenario = shoved(force, Direction::Back);
+        scenario.push.retain(|push| push.force > 0.0);
+        scenario.duration = 6.0;
+        scenario.ground = Ground { kind: kind.clone(), friction: 1.0 };
+        let report = alone(&scenario).report;
+        let (slip, sink) = (report.plausibility.slip_max_mm, report.plausibility.penetration_max_mm);
+        println!("{kind:?} {force} N: {:?}, slip {slip:.1} mm, sink {sink:.1} mm", report.outcome);
+        assert!(report.outcome != Outcome::Fall && slip < 2.0 && sink < 5.0, "{kind:?}");
+    }
+}
+
+#[test]
+fn nobody_stands_on_a_slope_of_ice() {
+    let ground = Ground { kind: GroundKind::Slope { angle: 15_f64.to_radians() }, friction: 0.05 };
+    let baked = alone(&Scenario { ground, duration: 5.0, ..Scenario::default() });
+    let moved = baked.performance.trace.ticks.last().map_or(0.0, |tick| tick.com.z);
+    assert!(baked.report.outcome == Outcome::Fall || moved < -0.3, "{:?} at {moved} m", baked.report.outcome);
+}
+
+fn forced(force: DVec3) -> Result<Articulated, surefoot::sim::articulated::BrokenBody> {
+    let body = built_in().body;
+    let anatomy = Anatomy::new(&body);
+    let physique = stand::physique(&body, &anatomy);
+    let push = KnownPush { start: 1.0, end: 1.2, force, at: PushPoint::Joint(body.joint(Role::Chest).unwrap_or(0)) };
+    let options = SimulateOptions { duration: 2.0, ..SimulateOptions::default() };
+    simulate_articulated(&body, &anatomy, &physique, &Terrain::flat(), &options, &[(push, false)], Assist::default())
+}
+
+#[test]
+fn a_force_that_is_no_number_is_caught_in_its_tick_with_the_part() {
+    for force in [DVec3::new(f64::NAN, 0.0, 0.0), DVec3::new(0.0, f64::INFINITY, 0.0), DVec3::new(1e9, 0.0, 0.0)] {
+        let broken = forced(force).expect_err("it breaks down");
+        println!("{force}: {broken}");
+        assert!((broken.time - 1.01).abs() < 1e-6, "{broken}");
+        assert!(["pelvis", "trunk", "head", "arm"].iter().any(|part| broken.what.contains(part)), "{broken}");
+    }
+    assert!(forced(DVec3::X * 50.0).is_ok());
+    let error = BakeError::BrokeDown { time: 1.01, what: "the head left the world".into() };
+    assert!(error.to_string().contains("1.01 s: the head left the world"));
+}
+
+#[test]
+fn a_torn_or_lost_link_is_named() {
+    let body = built_in().body;
+    let pose = stands(&body);
+    let figure = Figure::new(&body, &pose, Locks::default());
+    let placed = figure.placed(&body, &pose);
+    let state = |(origin, turn): &(DVec3, DQuat)| LinkState {
+        origin: *origin,
+        turn: *turn,
+        velocity: DVec3::ZERO,
+        spin: DVec3::ZERO,
+    };
+    let whole: Vec<LinkState> = placed.iter().map(state).collect();
+    assert_eq!(World::broken(&figure, &whole), None);
+    let shank = figure.links.iter().position(|link| link.part == Part::Shank(Side::Left)).expect("a shank");
+    let with = |change: &dyn Fn(&mut LinkState)| {
+        let mut states = whole.clone();
+        change(&mut states[shank]);
+        World::broken(&figure, &states).expect("broken")
+    };
+    for (what, words) in [
+        (with(&|state| state.origin.x += 0.2), "came apart"),
+        (with(&|state| state.origin.x += 200.0), "left the world"),
+        (with(&|state| state.velocity.z = 150.0), "150 m/s"),
+        (with(&|state| state.spin.z = f64::NAN), "not a finite number"),
+    ] {
+        assert!(what.contains("left shank") && what.contains(words), "{what}");
+    }
+}
+
+#[test]
+fn every_rig_settles_on_its_feet_without_help() {
+    let mut fell = Vec::new();
+    for (name, rig) in rigs() {
+        let drive = Drive::Ragdoll(Helped::Within(Assist::default()));
+        let scenario = Scenario { duration: 2.0, ..Scenario::default() };
+        match bake(&rig, &scenario, &BakeOptions { drive, ..BakeOptions::default() }) {
+            Ok(baked) => {
+                let ticks = &baked.performance.trace.ticks;
+                let drift = ticks.iter().map(|tick| tick.com.distance(ticks[0].com)).fold(0.0, f64::max);
+                println!("{name}: {:?}, {:.1} mm from where it began", baked.report.outcome, drift * 1e3);
+                if baked.report.outcome == Outcome::Fall {
+                    fell.push(name);
+                }
+            }
+            Err(error) => {
+                println!("{name}: {error}");
+                fell.push(name);
+            }
+        }
+    }
+    println!("do not stand: {fell:?}");
+    assert!(fell.is_empty(), "{fell:?}");
+}
