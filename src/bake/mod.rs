@@ -4,6 +4,7 @@
 //! as an engine would and says what it measured. Scenario space until the keys. No file is touched here.
 
 mod ankles;
+pub mod auto;
 mod balance;
 mod care;
 pub mod carried;
@@ -25,6 +26,7 @@ pub mod throws;
 pub mod timeline;
 mod track;
 
+pub use auto::Choice;
 pub use perform::{Performance, perform, perform_by};
 pub use ragdoll::{Drive, Helped};
 pub use root_motion::RootMotion;
@@ -65,6 +67,8 @@ pub struct Baked {
     pub props: Vec<Prop>,
     /// For a person: what is not as asked.
     pub warnings: Vec<String>,
+    /// Why its drive was chosen, where that was left to the tool.
+    pub choice: Option<Choice>,
 }
 
 /// Why there is no clip.
@@ -94,6 +98,14 @@ impl Default for BakeOptions {
 
 /// Runs the scenario on the rig and bakes the clip.
 pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Baked, BakeError> {
+    match options.drive {
+        Drive::Auto(helped) => auto::bake(rig, scenario, options, helped),
+        drive => bake_by(rig, scenario, options, drive),
+    }
+}
+
+/// Bakes with that drive.
+fn bake_by(rig: &Rig, scenario: &Scenario, options: &BakeOptions, drive: Drive) -> Result<Baked, BakeError> {
     let scale = scenario.character.leg_scale;
     let rig = &if scale == 1.0 { Cow::Borrowed(rig) } else { Cow::<Rig>::Owned(rig.with_leg_scale(scale)) };
     let body: Body = match scenario.character.mass {
@@ -101,7 +113,7 @@ pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Bak
         None => rig.body.clone(),
     };
     let seed = options.seed.unwrap_or(scenario.seed);
-    let performance = perform_by(&body, scenario, seed, options.drive)?;
+    let performance = perform_by(&body, scenario, seed, drive)?;
     let name = options.name.clone().unwrap_or_else(|| safe_name(&scenario.title));
     let timeline = &performance.timeline;
     let heights = footing::heights(&performance);
@@ -131,7 +143,7 @@ pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Bak
         Some(driven) => throws::flown(&performance.timeline, &driven.run.balls, &performance.balls),
         None => throws::props(&performance.timeline, &performance.balls),
     });
-    Ok(Baked { clip, report, performance, findings, props, warnings })
+    Ok(Baked { clip, report, performance, findings, props, warnings, choice: None })
 }
 
 /// The value at a time of even samples, straight lines between.

@@ -106,7 +106,7 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
     }
     let articulated = match drive {
         Drive::Stepper => None,
-        Drive::Ragdoll(assist) => {
+        Drive::Ragdoll(assist) | Drive::Auto(assist) => {
             Some(ragdoll::run(body, &anatomy, &physique, scenario, &options, &pushes, &tosses, assist)?)
         }
     };

@@ -21,6 +21,8 @@ pub enum Drive {
     Stepper,
     /// Joint torques and contacts.
     Ragdoll(Helped),
+    /// The better of the two ([`super::auto`]), the ragdoll helped like that.
+    Auto(Helped),
 }
 
 /// How much help the pelvis may get.

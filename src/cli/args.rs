@@ -69,7 +69,7 @@ pub struct BakeArgs {
     /// Which node carries the way over the ground
     #[arg(long, value_enum, default_value_t = Root::Root)]
     pub root: Root,
-    /// What moves the body: the pendulum's path, or joint torques and contacts; `auto` is the stepper
+    /// What moves the body: the pendulum's path, or joint torques and contacts; `auto` tries both and says which it kept
     #[arg(long, value_enum, default_value_t = Drive::Auto)]
     pub drive: Drive,
     /// Bound on the help that the ragdoll's root gets: off, auto, or Nm[,N]

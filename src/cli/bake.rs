@@ -16,7 +16,7 @@ const DEMO_OUTPUT: &str = "exports/demo.glb";
 
 /// Bakes.
 pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
-    if args.drive != Drive::Ragdoll && !matches!(args.assist, Assist::Auto | Assist::Off) {
+    if args.drive == Drive::Stepper && !matches!(args.assist, Assist::Auto | Assist::Off) {
         tell("warning: --assist bounds the ragdoll's help; the stepper takes none, so it changes nothing");
     }
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(DEMO_OUTPUT));
@@ -150,6 +150,11 @@ fn summary(baked: &Baked, name: &str, places: &Places, size: usize) -> String {
                 force * (push.end - push.start)
             ),
         );
+    }
+    if let Some(choice) = &baked.choice {
+        let other = if report.drive == "ragdoll" { "stepper" } else { "ragdoll" };
+        let score = choice.other.map_or(String::new(), |score| format!("; the {other}'s plausibility is {score:.2}"));
+        line("drive", format_args!("{}: {}{score}", report.drive, choice.why));
     }
     if let Some(driven) = &baked.performance.articulated {
         let help = &report.assist;

@@ -44,14 +44,17 @@ pub fn bake(rig: &Rig, scenario: &Scenario, args: &BakeArgs) -> Result<Baked, Fa
         Root::Hips => RootMotion::Hips,
         Root::InPlace => RootMotion::InPlace,
     };
-    let drive = match (args.drive, args.assist) {
-        (args::Drive::Auto | args::Drive::Stepper, _) => Drive::Stepper,
-        (args::Drive::Ragdoll, Assist::Auto) => Drive::Ragdoll(Helped::Auto),
-        (args::Drive::Ragdoll, Assist::Off) => Drive::Ragdoll(Helped::Within(Default::default())),
-        (args::Drive::Ragdoll, Assist::Bound(torque, force)) => {
-            let bound = crate::ragdoll::control::Assist { torque, force: force.unwrap_or(0.0) };
-            Drive::Ragdoll(Helped::Within(bound))
+    let helped = match args.assist {
+        Assist::Auto => Helped::Auto,
+        Assist::Off => Helped::Within(Default::default()),
+        Assist::Bound(torque, force) => {
+            Helped::Within(crate::ragdoll::control::Assist { torque, force: force.unwrap_or(0.0) })
         }
+    };
+    let drive = match args.drive {
+        args::Drive::Auto => Drive::Auto(helped),
+        args::Drive::Stepper => Drive::Stepper,
+        args::Drive::Ragdoll => Drive::Ragdoll(helped),
     };
     let options = BakeOptions { name: args.clip.clone(), fps: args.fps, seed: args.seed, root, drive };
     bake::bake(rig, scenario, &options).map_err(|error| match error {
