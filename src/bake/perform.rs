@@ -107,7 +107,7 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
     let articulated = match drive {
         Drive::Stepper => None,
         Drive::Ragdoll(assist) => {
-            Some(ragdoll::run(body, &anatomy, &physique, scenario, &options, &pushes, &tosses, assist)?)
+            Some(ragdoll::run(body, &anatomy, &physique, scenario, &options, &pushes, &tosses, (&carried, &loads), assist)?)
         }
     };
     if let Some(articulated) = &articulated {

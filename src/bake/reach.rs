@@ -157,7 +157,8 @@ fn need_at(timeline: &Timeline, index: usize, pose: &Solved) -> f64 {
         }
         let leg = timeline.anatomy.legs[side as usize].length();
         let landed = 1.0 - smooth3(timeline.feet.since_landing(side, time) / LANDING);
-        let bend = LANDING_BEND + (WALKING_BEND - LANDING_BEND) * walking;
+        // An articulated body bends the knees that it lands on itself.
+        let bend = if timeline.drawn.is_empty() { LANDING_BEND + (WALKING_BEND - LANDING_BEND) * walking } else { 0.0 };
         let reach = leg * (PLANTED_REACH - bend * landed + 0.05 * freedom);
         let hip = pose.hips[side as usize];
         let ankle = timeline.feet.at(side, time).ankle;

@@ -68,8 +68,8 @@ impl Default for StepTuning {
     fn default() -> StepTuning {
         StepTuning {
             times: [0.22, 0.24, 0.26],
-            outside: 0.276,
-            along: 0.03,
+            outside: 0.2,
+            along: 0.06,
             clear: 0.12,
             reach: 0.50,
             span: 1.0,

@@ -49,6 +49,11 @@ impl Controller {
                 self.swing = None;
                 self.last = Some(swing.side);
                 self.report.steps += 1;
+                // Who lands wide goes on over the foot that landed and brings the other along.
+                let apart = self.sole_middle(figure, Side::Left).distance(self.sole_middle(figure, Side::Right));
+                if apart > self.tuning.wide * self.size {
+                    self.shifting = Some((swing.side.other(), self.time - self.tuning.onwards * self.size.sqrt()));
+                }
             } else {
                 let left = (swing.time - passed).max(0.0);
                 let hull = self.hull(figure);
@@ -128,7 +133,7 @@ impl Controller {
     /// Feet that do not stand side by side are set so, one after the other, once all is quiet.
     pub(super) fn comfort(&mut self, figure: &Figure, loads: [f64; 2], xi: DVec2, out: f64, dt: f64) {
         let tempo = self.size.sqrt();
-        let still = self.motion.velocity.length() < 0.06 * tempo && out < -0.01 * self.size;
+        let still = self.motion.velocity.length() < 0.12 * tempo && out < -0.01 * self.size;
         self.quiet = if still { self.quiet + dt } else { 0.0 };
         let feet = Side::BOTH.map(|side| self.sole_middle(figure, side));
         let across = DVec2::new(self.heading.cos(), -self.heading.sin());
@@ -138,16 +143,18 @@ impl Controller {
             let stance = side.other();
             let state = &self.motion.states[figure.legs[stance as usize][2]];
             let sole = figure.soles[stance as usize].map(|corner| flat(state.origin + state.turn * corner));
-            let over = signed_distance(&convex_hull(&sole), xi) < -0.012 * self.size;
+            // Who stands wide gets only nearly there, and lets the swing take what is left.
+            let waited = ((self.time - since) / tempo - 0.15).clamp(0.0, 1.0);
+            let over = signed_distance(&convex_hull(&sole), xi) < ((0.25 * waited).min(0.13) - 0.012) * self.size;
             let weight = self.motion.mass * GRAVITY * dt;
-            if over && loads[side as usize] < 0.25 * weight {
+            if over && loads[side as usize] < (0.25 + 0.3 * waited) * weight {
                 let (ankle, yaw) = self.foot(figure, side);
                 let ground = ankle - DVec3::Y * figure.ankle_height;
                 self.shifting = None;
                 self.swing = Some(Swing {
                     side,
                     start: self.time,
-                    time: 0.5 * tempo,
+                    time: (0.5 - 0.22 * waited) * tempo,
                     target: beside(side),
                     from: ground,
                     lift: 0.05 * self.size,
@@ -160,7 +167,7 @@ impl Controller {
                 self.shifting = None;
                 self.quiet = -1.0;
             }
-        } else if self.quiet > 0.3 * tempo {
+        } else if self.quiet > 0.15 * tempo {
             let off = |side: Side| {
                 let turned = wrap_angle(self.foot(figure, side).1 - self.heading).abs();
                 feet[side as usize].distance(beside(side)) / self.size + 0.3 * turned

@@ -71,6 +71,10 @@ pub struct Tuning {
     pub inside: f64,
     /// m/s, how fast the wanted height changes.
     pub sink: f64,
+    /// m, feet that land farther apart are brought together at once.
+    pub wide: f64,
+    /// s, the wait that they are spared.
+    pub onwards: f64,
     /// Damping of the legs' inverse: bearing, swinging.
     pub damping: [f64; 2],
 }
@@ -109,7 +113,9 @@ impl Default for Tuning {
             stretch: 0.965,
             at_ease: 0.98,
             inside: 1.0,
-            sink: 0.8,
+            sink: 1.2,
+            wide: 0.65,
+            onwards: 0.7,
             damping: [0.08, 0.2],
         }
     }
