@@ -101,8 +101,7 @@ impl World {
         blows
     }
 
-    /// Puts a box (m: across, up, forward) between the hands where they are, joined to both: stiffly to the left one, by a ball
-    /// joint to the right one.
+    /// Puts a box (m: across, up, forward) between the hands where they are, joined to both.
     pub fn take_up(&mut self, figure: &Figure, size: DVec3, mass: f64, centre: DVec3, turn: DQuat) {
         self.let_go();
         let hands = Side::BOTH.map(|side| figure.links.iter().position(|link| link.part == Part::Hand(side)));
@@ -112,17 +111,12 @@ impl World {
         let body = RigidBodyBuilder::dynamic().pose(pose).can_sleep(false);
         let collider = ColliderBuilder::cuboid(half.x, half.y, half.z).density(0.0).friction(0.5).collision_groups(BOX);
         let (body, _) = self.physics.insert(body, collider);
-        let relative = |world: &World, link: usize| {
-            let at = world.physics.bodies[world.links[link]].position();
-            let (origin, turned) = (double(at.translation), quat(at.rotation));
-            (turned.inverse() * (centre - origin), turned.inverse() * turn, turn.inverse() * (origin - centre))
-        };
-        let (at, turned, _) = relative(self, left);
-        let fixed = FixedJointBuilder::new().local_frame1(Pose::from_parts(vector(at), rotation(turned)));
-        let (_, _, hand) = relative(self, right);
-        let ball = SphericalJointBuilder::new().local_anchor1(Vector::ZERO).local_anchor2(vector(hand));
-        self.physics.insert_impulse_joint(self.links[left], body, fixed);
-        self.physics.insert_impulse_joint(self.links[right], body, ball);
+        for link in [left, right] {
+            let at = self.physics.bodies[self.links[link]].position();
+            let back = quat(at.rotation).inverse();
+            let frame = Pose::from_parts(vector(back * (centre - double(at.translation))), rotation(back * turn));
+            self.physics.insert_impulse_joint(self.links[link], body, FixedJointBuilder::new().local_frame1(frame));
+        }
         self.held = Some(Held { body, size });
         self.weigh(mass);
     }
