@@ -4,12 +4,13 @@
 //! the stepper's. From where balance is lost on the clip shows the links as they fall. Scenario space, SI.
 
 use super::BakeError;
+use super::carried::{self, Carried};
 use super::throws::{Ball, Hit, Toss};
 use crate::measure::{KnownPush, PushPoint};
 use crate::model::scenario::Scenario;
-use crate::model::{Body, Physique, Terrain};
+use crate::model::{Body, Load, Physique, Terrain};
 use crate::ragdoll::control::Assist;
-use crate::sim::{Articulated, Incoming, SimulateOptions, simulate_with};
+use crate::sim::{Articulated, Incoming, SimulateOptions, Things, simulate_with};
 use crate::whole_body::{Anatomy, Solver, stand};
 use glam::DVec3;
 
@@ -59,7 +60,6 @@ pub fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
     part(!scenario.turn.is_empty(), "[[turn]]");
     part(!scenario.crouch.is_empty() || scenario.character.crouch > 0.0, "crouch");
     part(!scenario.stand.is_empty(), "[[stand]]");
-    part(!scenario.carry.is_empty(), "[[carry]]");
     parts
 }
 
@@ -72,6 +72,7 @@ pub(super) fn run(
     options: &SimulateOptions,
     pushes: &[(KnownPush, bool)],
     tosses: &[Toss],
+    (carried, loads): (&[Carried], &[Load]),
     helped: Helped,
 ) -> Result<Driven, BakeError> {
     let unplayed = unplayed(scenario);
@@ -93,8 +94,10 @@ pub(super) fn run(
             Incoming { arrives: toss.arrives, radius: toss.radius(), mass: toss.mass(), at, way }
         })
         .collect();
+    let hold = |time: f64| carried::hold(carried, loads, time);
+    let things = Things { incoming: &incoming, loads, hold: &hold };
     let once = |bound: Assist| -> Result<Driven, BakeError> {
-        let run = simulate_with(body, anatomy, physique, &terrain, options, pushes, bound, &incoming)
+        let run = simulate_with(body, anatomy, physique, &terrain, options, pushes, bound, &things)
             .map_err(|broken| BakeError::BrokeDown { time: broken.time, what: broken.what })?;
         Ok(Driven { run, bound })
     };

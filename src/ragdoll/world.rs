@@ -5,7 +5,7 @@
 
 use super::figure::{Figure, Freedom, Part};
 use super::ground;
-use super::things::Sphere;
+use super::things::{Held, Sphere};
 use crate::model::{Side, Terrain};
 use glam::{DMat3, DQuat, DVec3};
 use rapier3d::prelude::*;
@@ -56,7 +56,9 @@ pub struct World {
     pub(super) links: Vec<RigidBodyHandle>,
     pub(super) boxes: Vec<ColliderHandle>,
     pub(super) spheres: Vec<Sphere>,
-    frames: Vec<DQuat>, // a hinge's frame: its axis as x
+    pub(super) held: Option<Held>,
+    pub(super) offsets: Vec<DVec3>, // m, by which the law's centre of a link is beside the engine's, link's frame
+    frames: Vec<DQuat>,             // a hinge's frame: its axis as x
     ground: Vec<ground::Piece>,
     root: MultibodyJointHandle,
 }
@@ -104,7 +106,9 @@ impl World {
         }
         let ground = ground::build(&mut physics, terrain, GROUND);
         let root = root.unwrap_or(MultibodyJointHandle::invalid());
-        let mut world = World { physics, dt, links, boxes, spheres: Vec::new(), frames, ground, root };
+        let offsets = vec![DVec3::ZERO; figure.links.len()];
+        let mut world =
+            World { physics, dt, links, boxes, spheres: Vec::new(), held: None, offsets, frames, ground, root };
         world.place(figure, placed);
         // Masses are known after a step: one that moves nothing.
         world.physics.integration_parameters.dt = 1e-6;
@@ -142,21 +146,14 @@ impl World {
     /// Where the links are.
     pub fn read(&self, states: &mut Vec<LinkState>) {
         states.clear();
-        states.extend(self.links.iter().map(|handle| {
+        states.extend(self.links.iter().zip(&self.offsets).map(|(handle, offset)| {
             let body = &self.physics.bodies[*handle];
             let pose = body.position();
-            LinkState {
-                origin: double(pose.translation),
-                turn: DQuat::from_xyzw(
-                    pose.rotation.x.into(),
-                    pose.rotation.y.into(),
-                    pose.rotation.z.into(),
-                    pose.rotation.w.into(),
-                )
-                .normalize(),
-                velocity: double(body.linvel()),
-                spin: double(body.angvel()),
-            }
+            let turn = pose.rotation;
+            let turn = DQuat::from_xyzw(turn.x.into(), turn.y.into(), turn.z.into(), turn.w.into()).normalize();
+            let spin = double(body.angvel());
+            let velocity = double(body.linvel()) + spin.cross(turn * *offset);
+            LinkState { origin: double(pose.translation), turn, velocity, spin }
         }));
     }
 

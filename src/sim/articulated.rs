@@ -9,13 +9,14 @@ use super::{SessionPush, SimulateOptions, TickState, Trace};
 use crate::maths::filter::zero_lag;
 use crate::maths::quat::{rotation_vector, yaw_of};
 use crate::measure::{KnownPush, PushPoint};
-use crate::model::{Body, BodyPose, Physique, Plant, Role, Side, Terrain};
+use crate::model::{Body, BodyPose, Load, Physique, Plant, Role, Side, Terrain};
 use crate::ragdoll::control::{Assist, Report};
+use crate::ragdoll::figure::Part;
 use crate::ragdoll::{Controller, Figure, LinkState, Locks, Tuning, World, fall};
 use crate::stepper::footing::to_ground;
 use crate::stepper::{Phase, Step, StepKind};
 use crate::whole_body::reaction::{Personality, Reaction, Senses, upper_turns};
-use crate::whole_body::solve::PoseTarget;
+use crate::whole_body::solve::{Hold, PoseTarget};
 use crate::whole_body::stand::relaxed_arms;
 use crate::whole_body::{Anatomy, ArmAngles, Solver, stand};
 use glam::{DQuat, DVec2, DVec3, EulerRot};
@@ -28,8 +29,6 @@ const FALLEN: f64 = 0.57;
 const GIVES_WAY: f64 = 0.82;
 /// Hz, above which the links' turns are jitter.
 const JITTER: f64 = 9.0;
-/// m/s and m, from where on a foot that should stand has slid.
-const SLIDES: (f64, f64) = (0.15, 0.03);
 /// s after a landing until a sole has settled.
 const SETTLED: f64 = 0.06;
 /// s, the longest that a fall goes on, and for how long no link may be faster than that (m/s) for it to be over.
@@ -97,10 +96,27 @@ pub fn simulate_articulated(
     pushes: &[(KnownPush, bool)],
     assist: Assist,
 ) -> Result<Articulated, BrokenBody> {
-    simulate_with(body, anatomy, physique, terrain, options, pushes, assist, &[])
+    simulate_with(body, anatomy, physique, terrain, options, pushes, assist, &Things::none())
 }
 
-/// The same with balls that come at it.
+/// What comes at the body and what it carries.
+pub struct Things<'a> {
+    /// Balls.
+    pub incoming: &'a [Incoming<'a>],
+    /// Boxes, one after the other.
+    pub loads: &'a [Load],
+    /// How the hands hold what at a time (s).
+    pub hold: &'a dyn Fn(f64) -> Option<Hold>,
+}
+
+impl Things<'_> {
+    /// Nothing.
+    pub fn none() -> Self {
+        Things { incoming: &[], loads: &[], hold: &|_| None }
+    }
+}
+
+/// The same with balls that come at it and boxes in its hands.
 #[expect(clippy::too_many_arguments, reason = "all that a run depends on")]
 pub fn simulate_with(
     body: &Body,
@@ -110,9 +126,9 @@ pub fn simulate_with(
     options: &SimulateOptions,
     pushes: &[(KnownPush, bool)],
     assist: Assist,
-    incoming: &[Incoming],
+    things: &Things,
 ) -> Result<Articulated, BrokenBody> {
-    let full = attempt(body, anatomy, physique, terrain, options, pushes, assist, incoming, None)?;
+    let full = attempt(body, anatomy, physique, terrain, options, pushes, assist, things, None)?;
     let Some(_) = full.trace.lost else { return Ok(full) };
     // Nobody fights until he lies: seen from the end, the joints give way as soon as the body sinks for good.
     let up = |(index, tick): (usize, &TickState)| {
@@ -121,7 +137,7 @@ pub fn simulate_with(
         tick.com.y - floor > GIVES_WAY * physique.com_height
     };
     let last = full.trace.ticks.iter().enumerate().rev().find(|entry| up(*entry)).map_or(0, |(index, _)| index);
-    attempt(body, anatomy, physique, terrain, options, pushes, assist, incoming, Some(last))
+    attempt(body, anatomy, physique, terrain, options, pushes, assist, things, Some(last))
 }
 
 /// One run; the joints give way at that tick, or where it has fallen.
@@ -134,14 +150,21 @@ fn attempt(
     options: &SimulateOptions,
     pushes: &[(KnownPush, bool)],
     assist: Assist,
-    incoming: &[Incoming],
+    things: &Things,
     gives_way: Option<usize>,
 ) -> Result<Articulated, BrokenBody> {
     let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
     let target = stand::stand_target(body, &plants, DVec3::Y * physique.com_height, 0.0);
+    let level = target.clone();
     let standing = Solver::new(body, anatomy).solve(&target).pose;
     let figure = Figure::new(body, &standing, Locks::default());
-    let first = on_ground(body, anatomy, physique, terrain, &plants, &target).unwrap_or_else(|| standing.clone());
+    let carries = |time: f64, target: &PoseTarget| match (things.hold)(time) {
+        Some(hold) => target.clone().holding(hold),
+        None => target.clone(),
+    };
+    let target = carries(0.0, &target);
+    let first = on_ground(body, anatomy, physique, terrain, &plants, &target)
+        .unwrap_or_else(|| Solver::new(body, anatomy).solve(&target).pose);
     let mut run = Run::new(&figure, &first, body, terrain, options.dt);
     run.control.assist = assist;
     let mut reaction = Reaction::new(physique, Personality::default(), 0.5);
@@ -168,7 +191,9 @@ fn attempt(
         }
         run.world.clear_forces();
         let ground = terrain.held_at(time);
-        let report = run.control.tick(&figure, &mut run.world, &ground);
+        let laden = run.carry(&figure, body, things.loads, time);
+        let model = laden.as_ref().unwrap_or(&figure);
+        let report = run.control.tick(model, &mut run.world, &ground);
         poses.push(pose_of(&figure, run.control.states()));
         let facing = yaw_of(run.control.states()[0].turn);
         for push in acting.iter_mut().filter(|push| push.turns && push.start < time + options.dt - 1e-9) {
@@ -183,6 +208,10 @@ fn attempt(
         let angles = reaction.tick(&senses(state), options.dt);
         let (_, _, _, arms) = upper_turns(&angles);
         run.pose_arms(&figure, &arms);
+        if let Some(hold) = (things.hold)(time + options.dt) {
+            let held = Solver::new(body, anatomy).solve(&level.clone().holding(hold)).pose;
+            run.pose_held(&figure, &figure.placed(body, &held), hold.weight);
+        }
         rest = if run.control.swing.is_none() && report.velocity.length() < 0.05 { rest + options.dt } else { 0.0 };
         let over = report.com.y - ground.spot(DVec2::new(report.com.x, report.com.z)).height;
         let lies = run.world.lies_on(&figure, run.control.states(), &ground).is_some();
@@ -191,7 +220,7 @@ fn attempt(
             run.fall(&figure, body, terrain, tick, &mut poses)?;
             break;
         }
-        run.balls.launch(&figure, body, incoming, &run.states, &mut run.world, (time, facing, report.velocity));
+        run.balls.launch(&figure, body, things.incoming, &run.states, &mut run.world, (time, facing, report.velocity));
         run.step(&figure, terrain, time)?;
         run.balls.watch(&figure, body, &run.states, &run.world, time + options.dt);
     }
@@ -242,6 +271,7 @@ struct Run {
     control: Controller,
     states: Vec<LinkState>,
     balls: Balls,
+    carried: Option<usize>,
 }
 
 impl Run {
@@ -249,7 +279,7 @@ impl Run {
         let world = World::new(figure, &figure.placed(body, standing), terrain, dt, ITERATIONS);
         let control = Controller::new(figure, &world, Tuning::default());
         let states = control.states().to_vec();
-        Run { world, control, states, balls: Balls::default() }
+        Run { world, control, states, balls: Balls::default(), carried: None }
     }
 
     /// One tick of the world from `time` on, and a look at whether it still holds together.
@@ -257,7 +287,8 @@ impl Run {
         let after = time + self.world.dt;
         self.world.step(terrain, after);
         self.world.read(&mut self.states);
-        match World::broken(figure, &self.states).or_else(|| self.world.broken_ball()) {
+        let broken = self.world.quarantined(figure).or_else(|| World::broken(figure, &self.states));
+        match broken.or_else(|| self.world.broken_ball()) {
             Some(what) => Err(BrokenBody { time: after, what }),
             None => Ok(()),
         }
@@ -325,6 +356,37 @@ impl Run {
             moment += (at - com).cross(push.force * share);
         }
         (force, moment)
+    }
+
+    /// Has the box in the hands that is due at `time`; the figure as the law sees it then.
+    fn carry(&mut self, figure: &Figure, body: &Body, loads: &[Load], time: f64) -> Option<Figure> {
+        let due = loads.iter().position(|load| load.span[0] <= time + 1e-9 && time < load.span[1]);
+        if due != self.carried {
+            self.world.let_go();
+            self.carried = due;
+            if let Some(load) = due.map(|index| &loads[index]) {
+                let link = figure.link_of[load.joint];
+                let state = self.states[link];
+                let turn = state.turn * figure.stand.turns[load.joint];
+                let joint = state.origin + state.turn * figure.joint_in_link(body, load.joint);
+                let mass = load.mass_at(time);
+                self.world.take_up(figure, load.size, mass, joint + turn * load.centre, turn * load.level);
+            }
+        }
+        let load = &loads[due?];
+        let mass = load.mass_at(time);
+        self.world.weigh(mass);
+        self.world.laden(figure, &self.states, mass)
+    }
+
+    /// Tells the arms to hold on to a box, that much (0..1), as in that pose of the links.
+    fn pose_held(&mut self, figure: &Figure, held: &[(DVec3, DQuat)], weight: f64) {
+        for (index, link) in figure.links.iter().enumerate() {
+            if let (Part::UpperArm(_) | Part::Forearm(_) | Part::Hand(_), Some(parent)) = (link.part, link.parent) {
+                let turn = held[parent].1.inverse() * held[index].1;
+                self.control.posture[index] = self.control.posture[index].slerp(turn, weight);
+            }
+        }
     }
 
     /// Tells the arms how they would be held.
@@ -477,10 +539,10 @@ impl Record {
         let last = self.ticks.len() as f64 * dt;
         let mut steps: Vec<Step> = Vec::new();
         for side in Side::BOTH {
-            let own = self.with_slides(side, dt, terrain);
+            let own: Vec<_> = self.swings.iter().filter(|swing| swing.0 == side).collect();
             let mut from = self.start[side as usize];
-            for (index, (kind, lift, land)) in own.iter().enumerate() {
-                let until = own.get(index + 1).map_or(last, |next| next.1);
+            for (index, (_, kind, lift, land)) in own.iter().enumerate() {
+                let until = own.get(index + 1).map_or(last, |next| next.2);
                 let to = self.stood(side, (land + SETTLED).min(until), until, dt, terrain);
                 steps.push(Step { side, kind: *kind, lift: *lift, land: *land, from, to });
                 from = to;
@@ -488,60 +550,6 @@ impl Record {
         }
         steps.sort_by(|a, b| a.lift.total_cmp(&b.lift));
         steps
-    }
-
-    /// Swings of a foot (why, lift, land), with those in which it slid along the ground: a clip's foot holds still or is lifted.
-    fn with_slides(&self, side: Side, dt: f64, terrain: &Terrain) -> Vec<(StepKind, f64, f64)> {
-        let mut swings: Vec<(StepKind, f64, f64)> = (self.swings.iter())
-            .filter(|swing| swing.0 == side)
-            .map(|(_, kind, lift, land)| (*kind, *lift, *land))
-            .collect();
-        let place: Vec<DVec2> = (self.ticks.iter().enumerate())
-            .map(|(index, tick)| {
-                let ankle = to_ground(&tick.feet[side as usize], terrain.turn(index as f64 * dt)).ankle;
-                DVec2::new(ankle.x, ankle.z)
-            })
-            .collect();
-        let aloft = |time: f64| {
-            let swings = swings.iter().any(|swing| swing.1 <= time + 1e-9 && time < swing.2 - 1e-9);
-            swings || self.lifted[side as usize].is_some_and(|(lift, _)| time >= lift - 1e-9)
-        };
-        let slides: Vec<bool> = (place.windows(2).enumerate())
-            .map(|(index, pair)| !aloft(index as f64 * dt) && pair[0].distance(pair[1]) > SLIDES.0 * dt)
-            .collect();
-        let mut found = Vec::new();
-        let mut index = 0;
-        while index < slides.len() {
-            if !slides[index] {
-                index += 1;
-                continue;
-            }
-            let first = index;
-            let mut end = index + 1;
-            while end < slides.len() && slides[end..(end + 4).min(slides.len())].iter().any(|slides| *slides) {
-                end += 1;
-            }
-            index = end;
-            if place[first].distance(place[end]) > SLIDES.1 {
-                found.push((first as f64 * dt, end as f64 * dt));
-            }
-        }
-        for (from, to) in found {
-            // What slides before it lifts or after it landed belongs to that swing.
-            if let Some(swing) = swings.iter_mut().find(|swing| (swing.1 - to).abs() < 0.06) {
-                swing.1 = from;
-            } else if let Some(swing) = swings.iter_mut().find(|swing| (from - swing.2).abs() < 0.06) {
-                swing.2 = to;
-            } else {
-                swings.push((StepKind::Corrective, from, to.max(from + 0.12)));
-            }
-        }
-        swings.sort_by(|a, b| a.1.total_cmp(&b.1));
-        for index in 1..swings.len() {
-            swings[index].1 = swings[index].1.max(swings[index - 1].2 + dt);
-            swings[index].2 = swings[index].2.max(swings[index].1 + 0.1);
-        }
-        swings
     }
 
     /// Where a foot stood between two times, in the mean, in the ground's frame.

@@ -6,7 +6,7 @@ pub mod script;
 pub mod session;
 pub mod trace;
 
-pub use articulated::{Articulated, Help, simulate_articulated, simulate_with};
+pub use articulated::{Articulated, Help, Things, simulate_articulated, simulate_with};
 pub use balls::{Flown, Incoming, Struck};
 pub use script::Script;
 pub use session::{Session, SessionPush, SimulateOptions, simulate, simulate_pushes};
