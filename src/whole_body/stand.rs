@@ -18,9 +18,6 @@ const TOE_OUT: f64 = 6.0 * std::f64::consts::PI / 180.0;
 const STANCE_WIDTH: f64 = 0.217;
 /// Where the centre of mass stands over the sole, from heel (0) to tip (1).
 const COM_OVER_SOLE: f64 = 0.42;
-/// Part of the leg by which the centre of mass stands ahead of the ankles at most: legs that are short for their feet would
-/// lean so far that their ankles had no range left.
-const MOST_FORWARD: f64 = 0.10;
 /// Forward lean of the trunk, rad.
 pub const TRUNK_LEAN: f64 = 2.0 * std::f64::consts::PI / 180.0;
 
@@ -102,7 +99,7 @@ pub fn physique_holding(body: &Body, anatomy: &Anatomy, hold: Option<Hold>) -> P
     let (heel, tip, half_width) = (mean(|f| f.heel), mean(|f| f.foremost()), mean(|f| f.half_width));
     // Wide hips and wide shoes stand wider.
     let stance_width = (STANCE_WIDTH * leg_length).max(0.85 * anatomy.hip_width).max(2.3 * half_width);
-    let com_forward = (heel + COM_OVER_SOLE * (tip - heel)).min(MOST_FORWARD * leg_length);
+    let com_forward = heel + COM_OVER_SOLE * (tip - heel);
     let plants = natural_plants(stance_width, com_forward);
     // The height at which the longer-stretched leg reaches the stand's stretch, by bisection: the pose decides.
     let mut solver = Solver::new(body, anatomy);
