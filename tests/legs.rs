@@ -200,7 +200,7 @@ fn no_foot_flies_off_on_odd_legs_that_step_twice_running() {
     for (cell, clip) in cells.iter().zip(found.collect::<Vec<Measured>>()) {
         println!("{cell:?}: {} steps, ankle {:.1} m/s", clip.steps, clip.ankle_speed);
         assert!(clip.steps >= 3, "{cell:?}: only {} steps, nothing to hold", clip.steps);
-        // 27 to 137 m/s while a foot could leave before it had come down.
+        // 34 to 137 m/s while a foot could leave before it had come down.
         assert!(clip.ankle_speed < 14.0, "{cell:?}: an ankle at {} m/s", clip.ankle_speed);
     }
 }
