@@ -4,7 +4,7 @@
 
 use crate::export::{json_of, reads_back};
 use crate::lanes::{baked, feet_hold, few, written};
-use crate::limits_grid::{EIGHT, rigs, shove};
+use crate::limits_grid::{EIGHT, Measured, measured, rigs, shove};
 use crate::synthetic;
 use rayon::prelude::*;
 use surefoot::bake::Baked;
@@ -12,7 +12,8 @@ use surefoot::export::glb_with_props;
 use surefoot::model::report::Outcome;
 use surefoot::model::scenario::Scenario;
 use surefoot::model::{Body, Role};
-use surefoot::rig::Rig;
+use surefoot::rig::mannequin::{MannequinOptions, mannequin};
+use surefoot::rig::{Rig, load_bytes};
 
 fn on_legs(rig: &Rig, scale: f64) -> Scenario {
     let mut scenario = shove(&rig.body.with_leg_scale(scale), 270.0, 60.0);
@@ -184,5 +185,22 @@ fn a_body_on_other_legs_weighs_the_same_and_stands_on_the_same_ground() {
             let ankles = |body: &Body| body.feet.iter().map(|foot| body.joints[foot.ankle].rest.y).sum::<f64>();
             assert!((ankles(&body) - ankles(&rig.body)).abs() < 1e-9, "{name}: soles stay on the ground");
         }
+    }
+}
+
+#[test]
+fn no_foot_flies_off_on_odd_legs_that_step_twice_running() {
+    let none = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
+    let cells = [(1.7, 1.3, 135.0, 120.0), (1.0, 1.3, 135.0, 120.0), (1.0, 0.6, 135.0, 150.0), (1.0, 0.7, 45.0, 150.0)];
+    let found = cells.par_iter().map(|(height, leg_scale, direction, impulse)| {
+        let options = MannequinOptions { height: *height, leg_scale: *leg_scale, ..MannequinOptions::default() };
+        let rig = load_bytes("odd.glb", &mannequin(&options), &none, None).expect("it loads");
+        measured(&rig, *direction, *impulse)
+    });
+    for (cell, clip) in cells.iter().zip(found.collect::<Vec<Measured>>()) {
+        println!("{cell:?}: {} steps, ankle {:.1} m/s", clip.steps, clip.ankle_speed);
+        assert!(clip.steps >= 3, "{cell:?}: only {} steps, nothing to hold", clip.steps);
+        // 34 to 137 m/s while a foot could leave before it had come down.
+        assert!(clip.ankle_speed < 14.0, "{cell:?}: an ankle at {} m/s", clip.ankle_speed);
     }
 }

@@ -21,6 +21,8 @@ const RISER_GAP: f64 = 0.01;
 const SLACK: f64 = 0.03;
 /// s, least time that both feet are down.
 const LEAST_DOUBLE: f64 = 0.03;
+/// s, least time that a foot stands that steps twice running: as long as it takes to lie flat.
+const LEAST_STAND: f64 = 0.085;
 
 /// The plants of a run on the ground.
 pub fn grounded(body: &Body, terrain: &Terrain, start: &[Plant; 2], steps: &[Step]) -> ([Plant; 2], Vec<Step>) {
@@ -46,7 +48,10 @@ pub fn sooner(steps: &[Step], physique: &Physique, cop: &[DVec2], dt: f64, scale
             let slack = SLACK * physique.leg_length;
             (physique.heel - slack..=physique.tip + slack).contains(&along) && across <= physique.half_width + slack
         };
-        let least = (other.land + LEAST_DOUBLE * scale).min(step.lift);
+        // A foot that steps twice running must have come down from the first of the two.
+        let own = steps[..number].iter().rev().find(|own| own.side == step.side);
+        let stood = own.map_or(f64::NEG_INFINITY, |own| own.land + LEAST_STAND * scale);
+        let least = (other.land + LEAST_DOUBLE * scale).max(stood).min(step.lift);
         let mut lift = step.lift;
         while lift - dt >= least && carries(lift - dt) {
             lift -= dt;
@@ -186,6 +191,42 @@ mod tests {
             rear_sole: Vec::new(),
             front_sole: Vec::new(),
         }
+    }
+
+    #[test]
+    fn a_foot_that_steps_twice_running_lands_before_it_leaves_again() {
+        let at = |x: f64| Plant::level(DVec3::new(x, 0.0, 0.0), 0.0);
+        let step = |side, lift, land, from, to| Step {
+            kind: StepKind::Corrective,
+            side,
+            lift,
+            land,
+            from: at(from),
+            to: at(to),
+        };
+        // The pressure is on the right foot all the while: nothing but its own landing holds the left one back.
+        let steps = [
+            step(Side::Right, 0.7, 1.0, -0.1, -0.3),
+            step(Side::Left, 1.3, 1.7, 0.1, 0.3),
+            step(Side::Left, 1.8, 2.1, 0.3, 0.0),
+        ];
+        let physique = Physique {
+            mass: 89.5,
+            com_height: 0.96,
+            leg_length: 0.83,
+            hip_height: 0.9,
+            ankle_height: 0.08,
+            stance_width: 0.2,
+            com_forward: 0.04,
+            toe_out: 0.0,
+            heel: -0.07,
+            tip: 0.19,
+            half_width: 0.045,
+        };
+        let on_the_right = vec![DVec2::new(-0.3, 0.05); 300];
+        let sooner = sooner(&steps, &physique, &on_the_right, 0.01, 1.0);
+        assert!(sooner[1].lift < 1.1, "it trails on until {} s", sooner[1].lift);
+        assert!(sooner[2].lift > 1.7 + 0.08 && sooner[2].lift <= 1.8, "it leaves at {} s", sooner[2].lift);
     }
 
     #[test]

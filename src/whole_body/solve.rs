@@ -116,6 +116,8 @@ pub const STRAIGHTEST: f64 = 0.9985;
 /// rad, lift of an arm from which on its hand is no longer beside the hips, and how much further until it is well past them.
 const PAST_HIPS: [f64; 2] = [0.25, 0.8];
 const MOST_PASSES: usize = 10;
+/// Rounds in which a foot that is one with its shank finds its height.
+const RIGID_FOOT_PASSES: usize = 4;
 const COM_TOLERANCE: f64 = 2e-5; // m
 
 impl<'a> Solver<'a> {
@@ -279,7 +281,24 @@ impl<'a> Solver<'a> {
             None => soft_reach(hip, foot.ankle, leg.length(), foot.soft),
         };
         let pole = knee_pole(ankle - hip, yaw);
-        let chain = two_bone_ik(hip, ankle, leg.thigh_length, leg.shank_length, pole, STRAIGHTEST);
+        let reach = |ankle: DVec3| two_bone_ik(hip, ankle, leg.thigh_length, leg.shank_length, pole, STRAIGHTEST);
+        let mut chain = reach(ankle);
+        if !body.joints[leg.foot].animated {
+            // A foot that is one with its shank leans with it: the ankle is where its lowest point is as low as it should be.
+            let shape = &body.feet[side as usize];
+            let lowest = |turn: DQuat| {
+                let sole = shape.rear_sole.iter().chain(&shape.front_sole).map(|vertex| (turn * *vertex).y);
+                sole.fold(f64::INFINITY, f64::min)
+            };
+            let wanted = lowest(foot.foot);
+            for _ in 0..RIGID_FOOT_PASSES {
+                let turn = limb_frame(chain.end - chain.middle, chain.hinge) * leg.shank_from_rest;
+                let raise = wanted - lowest(turn);
+                if raise.is_finite() {
+                    chain = reach(ankle + DVec3::Y * raise);
+                }
+            }
+        }
         pose.turns[leg.upper] = limb_frame(chain.middle - hip, chain.hinge) * leg.thigh_from_rest;
         pose.turns[leg.lower] = limb_frame(chain.end - chain.middle, chain.hinge) * leg.shank_from_rest;
         pose.turns[leg.foot] = if body.joints[leg.foot].animated { foot.foot } else { pose.turns[leg.lower] };
