@@ -64,6 +64,7 @@ pub fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
 }
 
 /// Runs the articulated body, with as much help as is asked or allowed.
+#[expect(clippy::too_many_arguments, reason = "all that a run depends on")]
 pub(super) fn run(
     body: &Body,
     anatomy: &Anatomy,

@@ -311,8 +311,8 @@ impl Controller {
                 unit.angular[column - 3] = 1.0;
             }
             let wrench = self.spread(figure, &legs, &feet, &unit, trunk);
-            for row in 0..6 {
-                matrix[row][column] = wrench[row] - bias[row];
+            for ((row, wrench), bias) in matrix.iter_mut().zip(wrench).zip(bias) {
+                row[column] = wrench - bias;
             }
         }
         let base = Factored::new(matrix, 1e-3);

@@ -29,8 +29,9 @@ impl Factored {
             for row in column + 1..6 {
                 let factor = a[row][column] / a[column][column];
                 a[row][column] = factor;
-                for k in column + 1..6 {
-                    a[row][k] -= factor * a[column][k];
+                let above = a[column];
+                for (value, above) in a[row].iter_mut().zip(above).skip(column + 1) {
+                    *value -= factor * above;
                 }
             }
         }

@@ -39,6 +39,7 @@ impl Controller {
     }
 
     /// Lands, aims and starts swings.
+    #[expect(clippy::too_many_arguments, reason = "one tick")]
     pub(super) fn step(
         &mut self,
         figure: &Figure,

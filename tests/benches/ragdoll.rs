@@ -189,10 +189,9 @@ fn ticks(subject: &Subject) {
     let target = stand::stand_target(&subject.body, &plants, com, 0.0);
     let pose = Solver::new(&subject.body, &subject.anatomy).solve(&target).pose;
     println!();
-    for (name, locks) in [
-        ("all joints", Locks::default()),
-        ("hands and head locked", Locks { hands: true, head: true, ..Locks::default() }),
-    ] {
+    for (name, locks) in
+        [("all joints", Locks::default()), ("hands and head locked", Locks { hands: true, head: true })]
+    {
         let figure = Figure::new(&subject.body, &pose, locks);
         let terrain = Terrain::flat();
         let mut world = World::new(&figure, &figure.placed(&subject.body, &pose), &terrain, 0.01, 4);
