@@ -106,9 +106,17 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
     }
     let articulated = match drive {
         Drive::Stepper => None,
-        Drive::Ragdoll(assist) => {
-            Some(ragdoll::run(body, &anatomy, &physique, scenario, &options, &pushes, &tosses, (&carried, &loads), assist)?)
-        }
+        Drive::Ragdoll(assist) => Some(ragdoll::run(
+            body,
+            &anatomy,
+            &physique,
+            scenario,
+            &options,
+            &pushes,
+            &tosses,
+            (&carried, &loads),
+            assist,
+        )?),
     };
     if let Some(articulated) = &articulated {
         trace = articulated.run.trace.clone();

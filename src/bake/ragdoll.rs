@@ -43,16 +43,8 @@ pub struct Driven {
 }
 
 /// Bounds that `Auto` tries, N m and N, the least first.
-const TRIES: [[f64; 2]; 8] = [
-    [0.0, 0.0],
-    [25.0, 0.0],
-    [50.0, 0.0],
-    [100.0, 0.0],
-    [150.0, 0.0],
-    [200.0, 50.0],
-    [300.0, 150.0],
-    [300.0, 300.0],
-];
+const TRIES: [[f64; 2]; 8] =
+    [[0.0, 0.0], [25.0, 0.0], [50.0, 0.0], [100.0, 0.0], [150.0, 0.0], [200.0, 50.0], [300.0, 150.0], [300.0, 300.0]];
 
 /// What of a scenario the articulated body cannot play yet, for a person; empty where it plays it all.
 pub fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
@@ -69,6 +61,7 @@ pub fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
     parts
 }
 
+#[expect(clippy::too_many_arguments, reason = "all that a run depends on")]
 /// Runs the articulated body, with as much help as is asked or allowed.
 pub(super) fn run(
     body: &Body,

@@ -84,10 +84,7 @@ impl Timeline {
             .map(|(index, real)| {
                 let left = 1.0 - smooth3((index + 1) as f64 * self.dt / JOINED);
                 let turn = |(real, by): (&DQuat, &DVec3)| (DQuat::from_scaled_axis(*by * left) * *real).normalize();
-                BodyPose {
-                    hips: real.hips + hips * left,
-                    turns: real.turns.iter().zip(&turns).map(turn).collect(),
-                }
+                BodyPose { hips: real.hips + hips * left, turns: real.turns.iter().zip(&turns).map(turn).collect() }
             })
             .collect();
     }

@@ -69,7 +69,7 @@ pub struct BakeArgs {
     /// Which node carries the way over the ground
     #[arg(long, value_enum, default_value_t = Root::Root)]
     pub root: Root,
-    /// What moves the body; `ragdoll` is not in this version yet
+    /// What moves the body: the pendulum and a pose on it, or joint torques and contacts
     #[arg(long, value_enum, default_value_t = Drive::Auto)]
     pub drive: Drive,
     /// Bound on the help that the ragdoll's root gets: off, auto, or Nm[,N]

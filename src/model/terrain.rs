@@ -203,10 +203,8 @@ mod tests {
 
     #[test]
     fn a_platform_held_still_is_a_plane_through_the_origin() {
-        let turning = terrain(GroundKind::Platform {
-            pitch: vec![[0.0, 0.0], [2.0, 0.4]],
-            roll: vec![[0.0, 0.0], [2.0, 0.2]],
-        });
+        let turning =
+            terrain(GroundKind::Platform { pitch: vec![[0.0, 0.0], [2.0, 0.4]], roll: vec![[0.0, 0.0], [2.0, 0.2]] });
         let held = turning.held_at(1.0);
         for place in [DVec3::new(0.4, 0.0, -0.7), DVec3::new(-0.2, 0.0, 0.3)] {
             let at = turning.turn(1.0) * place;

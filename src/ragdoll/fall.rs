@@ -76,9 +76,7 @@ fn range(part: Part) -> [DVec3; 2] {
         Part::Pelvis => both([-9.0, 9.0], 9.0, 9.0),
         Part::Trunk => both([-0.35, 0.9], 0.5, 0.45),
         Part::Head => both([-0.7, 0.7], 1.0, 0.5),
-        Part::UpperArm(side) => {
-            sided(DVec3::new(-2.6, -1.0, -0.2), DVec3::new(0.7, 1.0, 2.3), side.sign() > 0.0)
-        }
+        Part::UpperArm(side) => sided(DVec3::new(-2.6, -1.0, -0.2), DVec3::new(0.7, 1.0, 2.3), side.sign() > 0.0),
         Part::Forearm(_) | Part::Shank(_) => both([-9.0, 9.0], 9.0, 9.0),
         Part::Hand(_) => both([-0.8, 0.8], 0.05, 0.5),
         Part::Thigh(side) => sided(DVec3::new(-1.9, -0.6, -0.25), DVec3::new(0.3, 0.6, 0.7), side.sign() > 0.0),

@@ -186,7 +186,8 @@ impl Figure {
     pub fn joint_in_link(&self, body: &Body, joint: usize) -> DVec3 {
         let positions = self.stand.positions(body);
         let link = self.link_of[joint];
-        let origin = self.link_of.iter().position(|owner| *owner == link).map_or(positions[0], |first| positions[first]);
+        let origin =
+            self.link_of.iter().position(|owner| *owner == link).map_or(positions[0], |first| positions[first]);
         positions[joint] - origin
     }
 
@@ -312,8 +313,7 @@ impl<'a> Maker<'a> {
         for segment in &self.body.segments {
             let link = link_of[segment.joint];
             let turn = self.stand.turns[segment.joint];
-            let centre =
-                self.positions[segment.joint] + turn * segment.centre - self.positions[self.joints[link]];
+            let centre = self.positions[segment.joint] + turn * segment.centre - self.positions[self.joints[link]];
             let matrix = DMat3::from_quat(turn);
             self.links[link].mass += segment.mass;
             moments[link] += segment.mass * centre;
@@ -339,7 +339,11 @@ impl<'a> Maker<'a> {
             let inside: Vec<DVec3> = (0..self.body.joints.len())
                 .filter(|joint| {
                     let own = link_of[*joint] == index && !self.is_finger(*joint);
-                    let hung = self.joints.iter().position(|own| own == joint).is_some_and(|other| self.links[other].parent == Some(index));
+                    let hung = self
+                        .joints
+                        .iter()
+                        .position(|own| own == joint)
+                        .is_some_and(|other| self.links[other].parent == Some(index));
                     own || hung
                 })
                 .map(|joint| self.positions[joint] - origin)
@@ -400,8 +404,8 @@ impl<'a> Maker<'a> {
                     at = at.and_then(|at| self.links[at].parent);
                 }
                 if at == Some(index) {
-                    total += link.inertia
-                        + steiner(link.mass, self.positions[self.joints[other]] + link.centre - origin);
+                    total +=
+                        link.inertia + steiner(link.mass, self.positions[self.joints[other]] + link.centre - origin);
                 }
             }
             let carried = match self.links[index].freedom {

@@ -34,8 +34,7 @@ pub(super) fn build(physics: &mut PhysicsWorld, terrain: &Terrain, groups: Inter
     // A floor between two z, its top at that height.
     let level = |[from, to]: [f64; 2], top: f64| {
         let middle = DVec3::new(0.0, top - DEEP, 0.5 * (from + to));
-        block(DVec3::new(FAR, DEEP, 0.5 * (to - from)))
-            .position(Pose::from_parts(vector(middle), Rotation::IDENTITY))
+        block(DVec3::new(FAR, DEEP, 0.5 * (to - from))).position(Pose::from_parts(vector(middle), Rotation::IDENTITY))
     };
     let mut pieces = Vec::new();
     match &terrain.kind {
@@ -43,7 +42,8 @@ pub(super) fn build(physics: &mut PhysicsWorld, terrain: &Terrain, groups: Inter
             let side = 0.5 * crate::model::terrain::PLATFORM_SIDE;
             let (handle, _) = physics.insert(
                 RigidBodyBuilder::kinematic_position_based(),
-                block(DVec3::new(side, 0.1, side)).position(Pose::from_parts(vector(DVec3::NEG_Y * 0.1), Rotation::IDENTITY)),
+                block(DVec3::new(side, 0.1, side))
+                    .position(Pose::from_parts(vector(DVec3::NEG_Y * 0.1), Rotation::IDENTITY)),
             );
             pieces.push(Piece { handle, moves: true });
         }

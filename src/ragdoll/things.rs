@@ -10,8 +10,11 @@ use glam::{DMat3, DQuat, DVec3};
 use rapier3d::prelude::*;
 
 /// Balls meet all.
-const BALL: InteractionGroups =
-    InteractionGroups::new(Group::GROUP_3, Group::GROUP_1.union(Group::GROUP_2).union(Group::GROUP_3).union(Group::GROUP_4), InteractionTestMode::And);
+const BALL: InteractionGroups = InteractionGroups::new(
+    Group::GROUP_3,
+    Group::GROUP_1.union(Group::GROUP_2).union(Group::GROUP_3).union(Group::GROUP_4),
+    InteractionTestMode::And,
+);
 /// Share of the closing speed that a ball bounces with.
 const RESTITUTION: f32 = 0.35;
 /// m, from how far away a contact is foreseen: what a fast ball makes in a tick, and a bit.
@@ -191,7 +194,8 @@ impl World {
     pub fn quarantined(&self, figure: &Figure) -> Option<String> {
         let taken = self.physics.quarantine().bodies();
         let link = (0..figure.links.len()).find(|link| taken.contains(&self.links[*link]));
-        let name = link.map(|link| figure.links[link].part.name()).or_else(|| taken.first().map(|_| "box or ball".into()));
+        let name =
+            link.map(|link| figure.links[link].part.name()).or_else(|| taken.first().map(|_| "box or ball".into()));
         name.map(|name| format!("the place of the {name} is not a finite number"))
     }
 }

@@ -58,7 +58,7 @@ pub struct World {
     pub(super) spheres: Vec<Sphere>,
     pub(super) held: Option<Held>,
     pub(super) offsets: Vec<DVec3>, // m, by which the law's centre of a link is beside the engine's, link's frame
-    frames: Vec<DQuat>, // a hinge's frame: its axis as x
+    frames: Vec<DQuat>,             // a hinge's frame: its axis as x
     ground: Vec<ground::Piece>,
     root: MultibodyJointHandle,
 }
@@ -107,7 +107,8 @@ impl World {
         let ground = ground::build(&mut physics, terrain, GROUND);
         let root = root.unwrap_or(MultibodyJointHandle::invalid());
         let offsets = vec![DVec3::ZERO; figure.links.len()];
-        let mut world = World { physics, dt, links, boxes, spheres: Vec::new(), held: None, offsets, frames, ground, root };
+        let mut world =
+            World { physics, dt, links, boxes, spheres: Vec::new(), held: None, offsets, frames, ground, root };
         world.place(figure, placed);
         // Masses are known after a step: one that moves nothing.
         world.physics.integration_parameters.dt = 1e-6;
