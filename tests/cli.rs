@@ -112,11 +112,18 @@ fn what_is_still_to_come_says_so_and_exits_two() {
 }
 
 #[test]
-fn the_articulated_body_says_what_it_cannot_play_yet() {
-    let walk = format!("{SHOVE}\n[[walk]]\nstart = 0.2\nspeed = 1.0\n");
-    let shell = Shell::with(&[("walk.toml", &walk)]);
+fn what_the_ragdoll_cannot_play_is_named_and_a_fall_is_a_result_unless_balance_is_required() {
+    let walk = format!("{SHOVE}\n[[walk]]\nstart = 0.5\nspeed = 1.0\n");
+    let hard = SHOVE.replace("250.0", "1800.0");
+    let shell = Shell::with(&[("walk.toml", &walk), ("hard.toml", &hard)]);
     shell.run("bake builtin walk.toml -o out.glb --drive ragdoll").exits(2).says(&["[[walk]]", "--drive stepper"]);
-    assert_eq!(shell.files(), ["walk.toml"]);
+    let required = "bake builtin hard.toml -o out.glb --drive ragdoll --assist off --require-balance";
+    shell.run(required).exits(1).says(&["fell", "nothing was written"]);
+    assert_eq!(shell.files(), ["hard.toml", "walk.toml"]);
+    shell
+        .run("bake builtin hard.toml -o out.glb --drive ragdoll --assist off")
+        .exits(0)
+        .says(&["and the character falls"]);
 }
 
 #[test]

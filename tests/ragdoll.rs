@@ -8,7 +8,7 @@ use glam::{DQuat, DVec3};
 use surefoot::bake::{BakeError, BakeOptions, Baked, Drive, Helped, bake};
 use surefoot::measure::{KnownPush, PushPoint};
 use surefoot::model::report::Outcome;
-use surefoot::model::scenario::{Direction, Ground, GroundKind, Push, Scenario, Throw};
+use surefoot::model::scenario::{Carry, Direction, Ground, GroundKind, Push, Scenario, Throw};
 use surefoot::model::{Body, BodyPose, Role, Side, Terrain};
 use surefoot::ragdoll::control::Assist;
 use surefoot::ragdoll::figure::Part;
@@ -175,6 +175,30 @@ fn nobody_stands_on_a_slope_of_ice() {
     assert!(baked.report.outcome == Outcome::Fall || moved < -0.3, "{:?} at {moved} m", baked.report.outcome);
 }
 
+#[test]
+fn a_box_of_2_to_25_kg_is_held_and_a_shove_is_caught_with_it() {
+    let carrying = |mass: Vec<[f64; 2]>, force: f64, toward: Direction| {
+        let carry = Carry { start: 0.0, end: None, mass, size: DVec3::new(0.4, 0.3, 0.3) };
+        let mut scenario = shoved(force, toward);
+        scenario.push[0].start = 3.0;
+        alone(&Scenario { carry: vec![carry], duration: 6.0, ..scenario })
+    };
+    let torque = |baked: &Baked| baked.performance.articulated.as_ref().map_or(0.0, |driven| driven.run.peak_torque);
+    let (light, heavy) =
+        (carrying(vec![[0.0, 2.0]], 0.0, Direction::Front), carrying(vec![[0.0, 25.0]], 0.0, Direction::Front));
+    println!("at most {:.0} Nm with 2 kg, {:.0} with 25", torque(&light), torque(&heavy));
+    assert!(torque(&heavy) > torque(&light) + 15.0, "{} {}", torque(&light), torque(&heavy));
+    let mut caught = 0;
+    for mass in [vec![[0.0, 2.0]], vec![[0.0, 2.0], [4.0, 25.0]], vec![[0.0, 25.0]], vec![[0.0, 10.0]]] {
+        for toward in [Direction::Front, Direction::Back, Direction::Left, Direction::Right] {
+            let report = carrying(mass.clone(), 100.0, toward).report;
+            println!("{mass:?} {toward:?}: {:?} after {} steps", report.outcome, report.steps);
+            caught += u32::from(report.outcome != Outcome::Fall);
+        }
+    }
+    assert_eq!(caught, 16);
+}
+
 fn forced(force: DVec3) -> Result<Articulated, surefoot::sim::articulated::BrokenBody> {
     let body = built_in().body;
     let anatomy = Anatomy::new(&body);
@@ -189,8 +213,13 @@ fn a_force_that_is_no_number_is_caught_in_its_tick_with_the_part() {
     for force in [DVec3::new(f64::NAN, 0.0, 0.0), DVec3::new(0.0, f64::INFINITY, 0.0), DVec3::new(1e9, 0.0, 0.0)] {
         let broken = forced(force).expect_err("it breaks down");
         println!("{force}: {broken}");
-        assert!((broken.time - 1.01).abs() < 1e-6, "{broken}");
-        assert!(["pelvis", "trunk", "head", "arm"].iter().any(|part| broken.what.contains(part)), "{broken}");
+        assert!((broken.time - 1.01).abs() < 1e-6, "in its tick: {broken}");
+        assert!(
+            ["pelvis", "trunk", "head", "arm", "hand", "thigh", "shank", "foot"]
+                .iter()
+                .any(|part| broken.what.contains(part)),
+            "{broken}"
+        );
     }
     assert!(forced(DVec3::X * 50.0).is_ok());
     let error = BakeError::BrokeDown { time: 1.01, what: "the head left the world".into() };

@@ -63,8 +63,8 @@ pub fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
     parts
 }
 
-/// Runs the articulated body, with as much help as is asked or allowed.
 #[expect(clippy::too_many_arguments, reason = "all that a run depends on")]
+/// Runs the articulated body, with as much help as is asked or allowed.
 pub(super) fn run(
     body: &Body,
     anatomy: &Anatomy,

@@ -5,21 +5,19 @@
 //! It does not walk yet. What breaks down is caught in the tick in which it does.
 
 use super::balls::{Balls, Flown, Incoming};
+use super::record::{Record, hung};
 use super::{SessionPush, SimulateOptions, TickState, Trace};
-use crate::maths::filter::zero_lag;
-use crate::maths::quat::{rotation_vector, yaw_of};
+use crate::maths::quat::yaw_of;
 use crate::measure::{KnownPush, PushPoint};
-use crate::model::{Body, BodyPose, Load, Physique, Plant, Role, Side, Terrain};
-use crate::ragdoll::control::{Assist, Report};
+use crate::model::{Body, BodyPose, Load, Physique, Plant, Side, Terrain};
+use crate::ragdoll::control::Assist;
 use crate::ragdoll::figure::Part;
 use crate::ragdoll::{Controller, Figure, LinkState, Locks, Tuning, World, fall};
-use crate::stepper::footing::to_ground;
-use crate::stepper::{Phase, Step, StepKind};
 use crate::whole_body::reaction::{Personality, Reaction, Senses, upper_turns};
 use crate::whole_body::solve::{Hold, PoseTarget};
 use crate::whole_body::stand::relaxed_arms;
 use crate::whole_body::{Anatomy, ArmAngles, Solver, stand};
-use glam::{DQuat, DVec2, DVec3, EulerRot};
+use glam::{DQuat, DVec2, DVec3};
 
 /// The solver's iterations a tick: with fewer it stands less well, with more it takes longer (notes in `ragdoll::world`).
 const ITERATIONS: usize = 4;
@@ -27,10 +25,6 @@ const ITERATIONS: usize = 4;
 const FALLEN: f64 = 0.57;
 /// And the share from which on who is falling lets himself fall.
 const GIVES_WAY: f64 = 0.82;
-/// Hz, above which the links' turns are jitter.
-const JITTER: f64 = 9.0;
-/// s after a landing until a sole has settled.
-const SETTLED: f64 = 0.06;
 /// s, the longest that a fall goes on, and for how long no link may be faster than that (m/s) for it to be over.
 const LONGEST_FALL: f64 = 2.5;
 const LIES: (f64, f64) = (0.3, 0.08);
@@ -155,12 +149,12 @@ fn attempt(
 ) -> Result<Articulated, BrokenBody> {
     let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
     let target = stand::stand_target(body, &plants, DVec3::Y * physique.com_height, 0.0);
-    let level = target.clone();
+    let level = target;
     let standing = Solver::new(body, anatomy).solve(&target).pose;
     let figure = Figure::new(body, &standing, Locks::default());
     let carries = |time: f64, target: &PoseTarget| match (things.hold)(time) {
-        Some(hold) => target.clone().holding(hold),
-        None => target.clone(),
+        Some(hold) => target.holding(hold),
+        None => *target,
     };
     let target = carries(0.0, &target);
     let first = on_ground(body, anatomy, physique, terrain, &plants, &target)
@@ -209,7 +203,7 @@ fn attempt(
         let (_, _, _, arms) = upper_turns(&angles);
         run.pose_arms(&figure, &arms);
         if let Some(hold) = (things.hold)(time + options.dt) {
-            let held = Solver::new(body, anatomy).solve(&level.clone().holding(hold)).pose;
+            let held = Solver::new(body, anatomy).solve(&level.holding(hold)).pose;
             run.pose_held(&figure, &figure.placed(body, &held), hold.weight);
         }
         rest = if run.control.swing.is_none() && report.velocity.length() < 0.05 { rest + options.dt } else { 0.0 };
@@ -244,7 +238,7 @@ fn on_ground(
         return None;
     }
     let ground = terrain.held_at(0.0);
-    let mut target = level.clone();
+    let mut target = *level;
     let mut base = 0.0;
     for side in Side::BOTH {
         let plant = &plants[side as usize];
@@ -404,13 +398,6 @@ impl Run {
     }
 }
 
-/// An upper arm's turn against the chest from hanging straight down.
-fn hung(side: Side, angles: &ArmAngles) -> DQuat {
-    DQuat::from_rotation_z(side.sign() * angles.abduct)
-        * DQuat::from_rotation_x(-angles.raise)
-        * DQuat::from_rotation_y(-side.sign() * angles.inward)
-}
-
 fn senses(tick: &TickState) -> Senses {
     Senses {
         acceleration: tick.acceleration,
@@ -425,206 +412,4 @@ fn senses(tick: &TickState) -> Senses {
         planted: tick.planted,
         facing: tick.facing,
     }
-}
-
-/// What is kept of a run.
-struct Record {
-    ticks: Vec<TickState>,
-    upper: Vec<UpperPose>,
-    start: [Plant; 2],
-    bearing: [bool; 2],
-    swings: Vec<(Side, StepKind, f64, f64)>, // side, why, lift, land
-    lifted: [Option<(f64, StepKind)>; 2],
-    help: Help,
-    peak_torque: f64,
-}
-
-impl Record {
-    fn new(start: [Plant; 2]) -> Record {
-        Record {
-            ticks: Vec::new(),
-            upper: Vec::new(),
-            start,
-            bearing: [true; 2],
-            swings: Vec::new(),
-            lifted: [None; 2],
-            help: Help::default(),
-            peak_torque: 0.0,
-        }
-    }
-
-    fn tick(
-        &mut self,
-        figure: &Figure,
-        control: &Controller,
-        report: &Report,
-        (push, push_moment): (DVec3, DVec3),
-        ground: &Terrain,
-        time: f64,
-    ) {
-        let states = control.states();
-        let feet = Side::BOTH.map(|side| {
-            let state = states[figure.legs[side as usize][2]];
-            let yaw = yaw_of(state.turn) + self.start[side as usize].yaw;
-            let normal = if ground.is_flat() { DVec3::Y } else { state.turn * DVec3::Y };
-            let ankle = state.origin - normal * figure.ankle_height;
-            let ankle = if ground.is_flat() { DVec3::new(ankle.x, 0.0, ankle.z) } else { ankle };
-            Plant { ankle, yaw, normal }
-        });
-        for side in Side::BOTH {
-            let bears = report.bears[side as usize];
-            if self.bearing[side as usize] && !bears {
-                let comfort = control.swing.is_some_and(|swing| swing.comfort);
-                let kind = if comfort { StepKind::Comfort } else { StepKind::Corrective };
-                self.lifted[side as usize] = Some((time, kind));
-            } else if !self.bearing[side as usize] && bears {
-                if let Some((lift, kind)) = self.lifted[side as usize].take() {
-                    self.swings.push((side, kind, lift, time));
-                }
-            }
-        }
-        self.bearing = report.bears;
-        let before = self.ticks.last().map_or(report.velocity, |tick| tick.velocity);
-        self.ticks.push(TickState {
-            com: report.com,
-            velocity: report.velocity,
-            acceleration: (report.velocity - before) / 0.01,
-            xi: report.xi,
-            cop: report.cop,
-            push,
-            push_moment,
-            feet,
-            planted: report.bears,
-            facing: yaw_of(states[figure.trunk].turn),
-            walk: DVec2::ZERO,
-            gait: Phase::Rest,
-            crouched: 0.0,
-        });
-        self.upper.push(upper(figure, states));
-        let [torque, force] = report.help.map(DVec3::length);
-        self.help.torque = [self.help.torque[0].max(torque), self.help.torque[1] + torque * torque];
-        self.help.force = [self.help.force[0].max(force), self.help.force[1] + force * force];
-        self.peak_torque = self.peak_torque.max(report.peak_torque);
-    }
-
-    fn finish(
-        mut self,
-        dt: f64,
-        pushes: Vec<SessionPush>,
-        lost: Option<f64>,
-        rest: f64,
-        terrain: &Terrain,
-    ) -> Articulated {
-        let count = self.ticks.len().max(1) as f64;
-        self.help.torque[1] = (self.help.torque[1] / count).sqrt();
-        self.help.force[1] = (self.help.force[1] / count).sqrt();
-        let steps = self.steps(dt, terrain);
-        let upper = smooth(&self.upper, 1.0 / dt);
-        let aloft = self.lifted.iter().flatten().map(|(lift, _)| *lift).reduce(f64::min);
-        let unlanded = aloft.filter(|_| lost.is_some());
-        let trace = Trace { dt, ticks: self.ticks, steps, aloft: None, pushes, start: self.start, lost, rest };
-        Articulated {
-            trace,
-            upper,
-            help: self.help,
-            peak_torque: self.peak_torque,
-            poses: Vec::new(),
-            unlanded,
-            balls: Vec::new(),
-        }
-    }
-
-    /// Steps between the places where the feet stood while they stood.
-    fn steps(&self, dt: f64, terrain: &Terrain) -> Vec<Step> {
-        let last = self.ticks.len() as f64 * dt;
-        let mut steps: Vec<Step> = Vec::new();
-        for side in Side::BOTH {
-            let own: Vec<_> = self.swings.iter().filter(|swing| swing.0 == side).collect();
-            let mut from = self.start[side as usize];
-            for (index, (_, kind, lift, land)) in own.iter().enumerate() {
-                let until = own.get(index + 1).map_or(last, |next| next.2);
-                let to = self.stood(side, (land + SETTLED).min(until), until, dt, terrain);
-                steps.push(Step { side, kind: *kind, lift: *lift, land: *land, from, to });
-                from = to;
-            }
-        }
-        steps.sort_by(|a, b| a.lift.total_cmp(&b.lift));
-        steps
-    }
-
-    /// Where a foot stood between two times, in the mean, in the ground's frame.
-    fn stood(&self, side: Side, from: f64, to: f64, dt: f64, terrain: &Terrain) -> Plant {
-        let last = self.ticks.len() - 1;
-        let first = ((from / dt).round() as usize).min(last);
-        let end = ((to / dt).round() as usize).clamp(first, last);
-        let plants =
-            (first..=end).map(|tick| to_ground(&self.ticks[tick].feet[side as usize], terrain.turn(tick as f64 * dt)));
-        let count = (end - first + 1) as f64;
-        let ankle = plants.clone().map(|plant| plant.ankle).sum::<DVec3>() / count;
-        let yaw = plants.map(|plant| plant.yaw).sum::<f64>() / count;
-        Plant::level(ankle, yaw)
-    }
-}
-
-/// The upper body's pose from the links.
-fn upper(figure: &Figure, states: &[LinkState]) -> UpperPose {
-    let lean = DQuat::from_rotation_x(stand::TRUNK_LEAN);
-    let trunk = states[figure.trunk].turn;
-    let head = figure.link_of_role(Role::Head).map_or(trunk, |link| states[link].turn);
-    let arms = Side::BOTH.map(|side| {
-        let [upper, lower] = figure.arms[side as usize];
-        let relaxed = relaxed_arms();
-        let against = trunk.inverse() * states[upper].turn;
-        let turned = lean.inverse() * against * lean * hung(side, &relaxed);
-        let (z, x, y) = turned.to_euler(EulerRot::ZXY);
-        let bend = match figure.links[lower].freedom {
-            crate::ragdoll::figure::Freedom::Hinge { axis, .. } => {
-                rotation_vector(states[upper].turn.inverse() * states[lower].turn).dot(axis)
-            }
-            _ => 0.0,
-        };
-        ArmAngles {
-            raise: -x,
-            abduct: side.sign() * z,
-            inward: -side.sign() * y,
-            elbow: relaxed.elbow + bend,
-            curl: relaxed.curl,
-        }
-    });
-    UpperPose { pelvis: states[0].turn, chest: trunk * lean, head, arms }
-}
-
-/// Without the contacts' jitter, and without lag.
-fn smooth(upper: &[UpperPose], hz: f64) -> Vec<UpperPose> {
-    let turned = |pick: &dyn Fn(&UpperPose) -> DQuat| -> Vec<DQuat> {
-        let vectors: Vec<DVec3> = upper.iter().map(|pose| rotation_vector(pick(pose))).collect();
-        zero_lag(&vectors, JITTER, hz).into_iter().map(DQuat::from_scaled_axis).collect()
-    };
-    let (pelvis, chest, head) = (turned(&|pose| pose.pelvis), turned(&|pose| pose.chest), turned(&|pose| pose.head));
-    let angle = |side: usize, pick: &dyn Fn(&ArmAngles) -> f64| -> Vec<f64> {
-        let series: Vec<f64> = upper.iter().map(|pose| pick(&pose.arms[side])).collect();
-        zero_lag(&series, JITTER, hz)
-    };
-    let arms = [0, 1].map(|side| {
-        [
-            angle(side, &|arm| arm.raise),
-            angle(side, &|arm| arm.abduct),
-            angle(side, &|arm| arm.inward),
-            angle(side, &|arm| arm.elbow),
-        ]
-    });
-    (0..upper.len())
-        .map(|index| UpperPose {
-            pelvis: pelvis[index],
-            chest: chest[index],
-            head: head[index],
-            arms: [0, 1].map(|side| ArmAngles {
-                raise: arms[side][0][index],
-                abduct: arms[side][1][index],
-                inward: arms[side][2][index],
-                elbow: arms[side][3][index],
-                curl: upper[index].arms[side].curl,
-            }),
-        })
-        .collect()
 }

@@ -2,6 +2,7 @@
 
 pub mod articulated;
 pub mod balls;
+mod record;
 pub mod script;
 pub mod session;
 pub mod trace;
