@@ -112,6 +112,7 @@ pub struct Controller {
     pub(super) stopped: Vec<DVec3>,
     pub(super) aimed: f64,
     pub(super) leaving: Option<(Side, usize)>,
+    pub(super) bends: [Option<(f64, f64)>; 2],
 }
 
 impl Controller {
@@ -133,6 +134,7 @@ impl Controller {
             stand_height: motion.com.y,
             pelvis_height: states[0].origin.y,
             leaving: None,
+            bends: [None; 2],
             aimed: states[0].origin.y,
             heading: yaw_of(states[0].turn),
             last: None,
@@ -287,6 +289,7 @@ impl Controller {
             LegMap::new(figure, &self.motion, figure.legs[side as usize], tuning.damping[usize::from(!bears)])
         });
         let feet = Side::BOTH.map(|side| self.foot_task(figure, terrain, side));
+        self.bends = Side::BOTH.map(|side| self.bend(figure, side));
         // A foot that bears stands still as soon as it touches: its leg's dampers must not carry its last motion on.
         self.stopped.clear();
         self.stopped.resize(count, DVec3::ZERO);

@@ -71,7 +71,7 @@ impl Default for StepTuning {
             outside: 0.2,
             along: 0.06,
             clear: 0.12,
-            reach: 0.50,
+            reach: 0.45,
             span: 1.0,
             speed: 4.0,
             late: 0.3,

@@ -153,7 +153,8 @@ impl Controller {
             let state = &self.motion.states[figure.legs[stance as usize][2]];
             let sole = figure.soles[stance as usize].map(|corner| flat(state.origin + state.turn * corner));
             // Who stands wide gets only nearly there, and lets the swing take what is left.
-            let waited = ((self.time - since) / tempo - 0.15).clamp(0.0, 1.0);
+            let wide = ((feet[0].distance(feet[1]) / self.size - 0.45) / 0.25).clamp(0.0, 1.0);
+            let waited = ((self.time - since) / tempo - 0.15).clamp(0.0, 1.0) * wide;
             let over = signed_distance(&convex_hull(&sole), xi) < ((0.25 * waited).min(0.13) - 0.012) * self.size;
             let weight = self.motion.mass * GRAVITY * dt;
             if over && loads[side as usize] < (0.25 + 0.3 * waited) * weight {

@@ -5,6 +5,7 @@ use super::dynamics::{Acceleration, LegMap, Wrench};
 use super::figure::{Figure, Freedom, Part};
 use super::forces::Corner;
 use super::{flat, short};
+use crate::maths::curve::smooth3;
 use crate::model::{Side, Terrain};
 use glam::{DQuat, DVec2, DVec3};
 
@@ -102,6 +103,30 @@ impl Controller {
         }
     }
 
+    /// A swinging leg that is almost straight cannot be steered by where its foot is to go: its knee is bent to the length that
+    /// it is to have instead. How much so, and the knee's acceleration, rad/s².
+    pub(super) fn bend(&self, figure: &Figure, side: Side) -> Option<(f64, f64)> {
+        let swing = self.swing.filter(|swing| swing.side == side)?;
+        let [hip, knee, ankle] = figure.legs[side as usize];
+        let (thigh, shank) = (figure.links[knee].anchor.length(), figure.links[ankle].anchor.length());
+        let flexion = |length: f64| {
+            let cos = (thigh * thigh + shank * shank - length * length) / (2.0 * thigh * shank);
+            std::f64::consts::PI - cos.clamp(-1.0, 1.0).acos()
+        };
+        let whole = thigh + shank;
+        let away = self.states[hip].origin.distance(self.states[ankle].origin);
+        let share = smooth3((away / whole - self.tuning.straight) / 0.05);
+        if share <= 0.0 {
+            return None;
+        }
+        let goal = swing.reference.at + DVec3::Y * figure.ankle_height;
+        let wanted = self.states[hip].origin.distance(goal).min(self.tuning.stretch * whole);
+        let Freedom::Hinge { axis, .. } = figure.links[knee].freedom else { return None };
+        let speed = self.motion.relative_spin(figure, knee).dot(self.states[hip].turn * axis);
+        let [stiff, damp] = self.tuning.foot;
+        Some((share, ((flexion(wanted) - flexion(away)) * stiff - speed * damp).clamp(-300.0, 300.0)))
+    }
+
     /// All links' accelerations for one of the pelvis; the wrench that they take.
     pub(super) fn spread(
         &mut self,
@@ -120,7 +145,11 @@ impl Controller {
             let shank = self.states[knee].turn;
             let held = shank * DVec3::Y;
             let held = held * held.dot(self.relative[ankle]);
-            let [a, b, c] = legs[side].solve(figure, &self.motion, root, &feet[side], held);
+            let [a, mut b, c] = legs[side].solve(figure, &self.motion, root, &feet[side], held);
+            if let (Some((share, bend)), Freedom::Hinge { axis, .. }) = (self.bends[side], figure.links[knee].freedom) {
+                let axis = self.states[hip].turn * axis;
+                b = b * (1.0 - share) + axis * (bend * share);
+            }
             for (link, relative) in [(hip, a), (knee, b), (ankle, c)] {
                 let parent = figure.links[link].parent.unwrap_or(0);
                 self.accelerations[link] = self.motion.child(figure, link, &self.accelerations[parent], relative);

@@ -75,6 +75,8 @@ pub struct Tuning {
     pub wide: f64,
     /// s, the wait that they are spared.
     pub onwards: f64,
+    /// Share of its length from which on a swinging leg is steered by its knee.
+    pub straight: f64,
     /// Damping of the legs' inverse: bearing, swinging.
     pub damping: [f64; 2],
 }
@@ -116,6 +118,7 @@ impl Default for Tuning {
             sink: 1.2,
             wide: 0.65,
             onwards: 0.7,
+            straight: 0.93,
             damping: [0.08, 0.2],
         }
     }
