@@ -10,6 +10,7 @@ use super::forces::{Forces, Wanted};
 use super::linear::{Factored, Matrix6};
 use super::swing::Reference;
 use super::tuning::Tuning;
+use super::walk::{Gait, Order};
 use super::world::{JointDrive, LinkState, World};
 use super::{flat, short};
 use crate::maths::hull::{closest_point, signed_distance};
@@ -112,6 +113,10 @@ pub struct Controller {
     pub(super) stopped: Vec<DVec3>,
     pub(super) aimed: f64,
     pub(super) leaving: Option<(Side, usize)>,
+    /// Where it is to walk.
+    pub order: Option<Order>,
+    /// How it does.
+    pub gait: Gait,
 }
 
 impl Controller {
@@ -133,6 +138,8 @@ impl Controller {
             stand_height: motion.com.y,
             pelvis_height: states[0].origin.y,
             leaving: None,
+            order: None,
+            gait: Gait::default(),
             aimed: states[0].origin.y,
             heading: yaw_of(states[0].turn),
             last: None,
@@ -245,7 +252,7 @@ impl Controller {
         }
         let moment =
             (tuning.moment[0] + if moving { tuning.moment[1] * fast } else { 0.0 }) * (mass / 89.5) * self.size;
-        let goal = middle + (xi - middle) * tuning.cop_gain;
+        let goal = self.gait.pressure().unwrap_or(middle + (xi - middle) * tuning.cop_gain);
         let inside = closest_point(&hull, goal).unwrap_or(middle);
         let cop = inside + (goal - inside).clamp_length_max(moment / (mass * GRAVITY));
         self.report.cop = inside;
@@ -260,7 +267,7 @@ impl Controller {
         let level = (flat(self.motion.com) - cop) * (up / height);
         let linear = DVec3::new(level.x, up - GRAVITY, level.y);
         // Pelvis and trunk upright, towards the heading.
-        if moving {
+        if moving && !self.gait.walks() {
             self.heading += 0.03 * wrap_angle(yaw_of(self.states[0].turn) - self.heading);
         }
         let facing = DQuat::from_rotation_y(self.heading);
