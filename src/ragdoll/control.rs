@@ -283,11 +283,17 @@ impl Controller {
         for index in 1..count {
             let link = &figure.links[index];
             let parent = link.parent.unwrap_or(0);
-            let wanted = self.states[parent].turn * self.posture[index];
+            let [angle, rate, quickens] = self.against_legs(figure, index);
+            let axis = if index == figure.trunk { DVec3::Y } else { DVec3::X };
+            let swung = DQuat::from_axis_angle(axis, angle) * self.posture[index];
+            let wanted = self.states[parent].turn * if angle == 0.0 { self.posture[index] } else { swung };
             let error = short(wanted * self.states[index].turn.inverse());
             let spin = self.motion.relative_spin(figure, index);
             let omega = 0.6 * link.omega;
             self.relative[index] = error * omega * omega - spin * (2.0 * omega);
+            if rate != 0.0 || quickens != 0.0 {
+                self.relative[index] += self.states[parent].turn * axis * (rate * 2.0 * omega + quickens);
+            }
         }
         let legs = Side::BOTH.map(|side| {
             let bears = self.swing.is_none_or(|swing| swing.side != side);

@@ -7,6 +7,7 @@
 use super::control::{Controller, Swing};
 use super::figure::Figure;
 use super::swing::Reference;
+use super::figure::Part;
 use crate::maths::hull::{closest_point, signed_distance};
 use crate::maths::pendulum::GRAVITY;
 use crate::maths::quat::wrap_angle;
@@ -53,25 +54,28 @@ pub struct WalkTuning {
     pub integral: f64,
     /// rad at 1 m/s, swing of the arms.
     pub arms: f64,
+    /// rad at 1 m/s, twist of the trunk.
+    pub twist: f64,
 }
 
 impl Default for WalkTuning {
     fn default() -> WalkTuning {
         WalkTuning {
             step: [0.50, -0.05],
-            double: 0.18,
+            double: 0.10,
             width: 0.14,
             roll: [-0.03, 0.05],
             gain: 2.0,
             ramp: 0.8,
             turn: 0.6,
-            lift: 0.06,
+            lift: 0.05,
             over: 0.05,
             clear: 0.09,
             span: 0.9,
             place: 1.0,
             integral: 0.3,
             arms: 0.3,
+            twist: 0.08,
         }
     }
 }
@@ -182,6 +186,27 @@ impl Controller {
             Phase::Double => self.both(figure, loads, xi, rate, &hull, dt, goes),
             Phase::Single => self.single(figure, terrain, pressed, xi, rate, &hull, dt),
         }
+    }
+
+    /// rad, rad/s, rad/s²: how arms (about x) and trunk (about y) swing against the legs.
+    pub(super) fn against_legs(&self, figure: &Figure, link: usize) -> [f64; 3] {
+        let tuning = &self.gait.tuning;
+        if !matches!(self.gait.phase, Phase::Double | Phase::Single) {
+            return [0.0; 3];
+        }
+        let [step, _] = self.rhythm();
+        let ahead = DVec2::new(self.heading.sin(), self.heading.cos());
+        let pace = self.gait.velocity.dot(ahead) / self.size.sqrt();
+        let swings = self.gait.swings();
+        let most = match figure.links[link].part {
+            // The arm of the side that swings is ahead at the step's start; ahead is about -x.
+            Part::UpperArm(side) => -tuning.arms * pace * if side == swings { 1.0 } else { -1.0 },
+            Part::Trunk => -tuning.twist * pace * swings.sign(),
+            _ => return [0.0; 3],
+        };
+        let turn = std::f64::consts::PI / step;
+        let (sin, cos) = (turn * (self.time - self.gait.since).clamp(0.0, 1.2 * step)).sin_cos();
+        [most * cos, -most * turn * sin, -most * turn * turn * cos]
     }
 
     fn across(&self) -> DVec2 {
