@@ -330,7 +330,9 @@ impl Controller {
         }
         let base = Factored::new(matrix, 1e-3);
         let corners = self.corners(figure, terrain);
-        let wanted = Wanted { linear, angular, weights: tuning.weights };
+        let [level, up, tilt, yaw] = tuning.weights;
+        let yaw = if self.gait.walks() { self.gait.tuning.yaw } else { yaw };
+        let wanted = Wanted { linear, angular, weights: [level, up, tilt, yaw] };
         let mut forces = std::mem::take(&mut self.forces);
         let wrench = forces.solve(
             &corners,

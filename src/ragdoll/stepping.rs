@@ -126,7 +126,8 @@ impl Controller {
         swing.yaw += wrap_angle(self.heading - swing.yaw) * (dt / (left + dt)).min(1.0);
         let goal = swing.target - self.ahead(swing.yaw);
         // Off the ground before it travels.
-        if !down || passed > self.tuning.rise * swing.time {
+        let rise = if self.gait.walks() { self.gait.tuning.rise } else { self.tuning.rise };
+        if !down || passed > rise * swing.time {
             swing.free = true;
         }
         if swing.free {

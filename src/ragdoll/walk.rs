@@ -6,8 +6,8 @@
 
 use super::control::{Controller, Swing};
 use super::figure::Figure;
-use super::swing::Reference;
 use super::figure::Part;
+use super::swing::Reference;
 use crate::maths::hull::{closest_point, signed_distance};
 use crate::maths::pendulum::GRAVITY;
 use crate::maths::quat::wrap_angle;
@@ -56,36 +56,47 @@ pub struct WalkTuning {
     pub arms: f64,
     /// rad at 1 m/s, twist of the trunk.
     pub twist: f64,
+    /// Weight of the pelvis's yaw among what the contact forces are for.
+    pub yaw: f64,
+    /// Share of a swing by which the foot must be off the ground.
+    pub rise: f64,
 }
 
 impl Default for WalkTuning {
     fn default() -> WalkTuning {
         WalkTuning {
             step: [0.50, -0.05],
-            double: 0.10,
-            width: 0.14,
-            roll: [-0.03, 0.05],
+            double: 0.06,
+            width: 0.11,
+            roll: [-0.05, 0.07],
             gain: 2.0,
             ramp: 0.8,
             turn: 0.6,
-            lift: 0.05,
+            lift: 0.04,
             over: 0.05,
             clear: 0.09,
             span: 0.9,
             place: 1.0,
             integral: 0.3,
-            arms: 0.3,
+            arms: 0.4,
             twist: 0.08,
+            yaw: 3.0,
+            rise: 0.05,
         }
     }
 }
 
+/// Where in the gait.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Phase {
+pub enum Phase {
+    /// Not walking.
     #[default]
     Rest,
+    /// The weight goes over the first stance foot.
     Start,
+    /// Both feet bear.
     Double,
+    /// One foot bears.
     Single,
 }
 
@@ -122,6 +133,11 @@ impl Gait {
     /// m/s, the command as it is followed now, (x, z).
     pub fn velocity(&self) -> DVec2 {
         self.velocity
+    }
+
+    /// Whether both feet bear, or one does, in a walk that has begun.
+    pub fn phase(&self) -> Phase {
+        self.phase
     }
 
     pub(super) fn pressure(&self) -> Option<DVec2> {
@@ -172,7 +188,13 @@ impl Controller {
             Phase::Start => {}
             _ => {
                 self.heading += turn;
-                self.gait.velocity += (order.velocity - self.gait.velocity).clamp_length_max(tuning.ramp * dt);
+                // While it turns, the way to go turns with it.
+                let left = wrap_angle(order.facing - self.heading);
+                let wanted = turned(order.velocity, -left);
+                let velocity = turned(self.gait.velocity, turn);
+                self.gait.velocity = velocity + (wanted - velocity).clamp_length_max(tuning.ramp * dt);
+                self.gait.lacks = turned(self.gait.lacks, turn);
+                self.gait.mean = turned(self.gait.mean, turn);
                 let share = dt / (0.6 * tempo);
                 let seen = super::flat(self.motion.velocity);
                 self.gait.mean += (seen - self.gait.mean) * share;
@@ -405,6 +427,12 @@ impl Controller {
         }
         stance + step
     }
+}
+
+/// A ground vector (x, z) turned by a yaw.
+fn turned(vector: DVec2, yaw: f64) -> DVec2 {
+    let (sin, cos) = yaw.sin_cos();
+    DVec2::new(vector.x * cos + vector.y * sin, vector.y * cos - vector.x * sin)
 }
 
 /// What a straight run of the pressure of `time` s, that starts `after` s from now, counts in ξ: of its two ends.
