@@ -36,6 +36,8 @@ pub struct WalkTuning {
     pub roll: [f64; 2],
     /// Feedback from ξ to the pressure.
     pub gain: f64,
+    /// m/s, the most.
+    pub fastest: f64,
     /// m/s², how fast the speed changes.
     pub ramp: f64,
     /// rad/s, how fast the heading changes.
@@ -70,6 +72,7 @@ impl Default for WalkTuning {
             width: 0.11,
             roll: [-0.05, 0.07],
             gain: 2.0,
+            fastest: 1.3,
             ramp: 0.8,
             turn: 0.6,
             lift: 0.04,
@@ -190,7 +193,7 @@ impl Controller {
                 self.heading += turn;
                 // While it turns, the way to go turns with it.
                 let left = wrap_angle(order.facing - self.heading);
-                let wanted = turned(order.velocity, -left);
+                let wanted = turned(order.velocity, -left).clamp_length_max(tuning.fastest * tempo);
                 let velocity = turned(self.gait.velocity, turn);
                 self.gait.velocity = velocity + (wanted - velocity).clamp_length_max(tuning.ramp * dt);
                 self.gait.lacks = turned(self.gait.lacks, turn);
@@ -305,7 +308,8 @@ impl Controller {
         let off = (xi - stance).dot(inner);
         let weight = self.motion.mass * GRAVITY * dt;
         let light = loads[swings as usize] < 0.35 * weight;
-        if off < self.gait.tuning.over * self.size && (light || off < near + 0.005 * self.size) {
+        let over = (self.gait.tuning.over * self.size).max(near + 0.01 * self.size);
+        if off < over && (light || off < near + 0.005 * self.size) {
             self.gait.velocity = DVec2::ZERO;
             let [_, double] = self.rhythm();
             self.gait.since = self.time - double;
