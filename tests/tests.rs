@@ -34,6 +34,8 @@ mod measure;
 mod picture;
 /// The articulated body: falls, balls, grounds, breakdowns.
 mod ragdoll;
+/// The articulated body walking.
+mod ragdoll_walk;
 /// Rigs made from others or from nothing: scales, axes, skins, naming conventions, lacking bones, overrides.
 mod rig_variants;
 /// Real rigs: bones, height, heading, unit.

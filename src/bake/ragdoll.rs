@@ -6,11 +6,13 @@
 use super::BakeError;
 use super::carried::{self, Carried};
 use super::throws::{Ball, Hit, Toss};
+use crate::maths::quat::wrap_angle;
 use crate::measure::{KnownPush, PushPoint};
-use crate::model::scenario::Scenario;
+use crate::model::scenario::{GroundKind, Scenario, Walk};
 use crate::model::{Body, Load, Physique, Terrain};
 use crate::ragdoll::control::Assist;
-use crate::sim::{Articulated, Incoming, SimulateOptions, Things, simulate_with};
+use crate::ragdoll::walk::Order;
+use crate::sim::{Articulated, Incoming, Script, SimulateOptions, Things, simulate_with};
 use crate::whole_body::{Anatomy, Solver, stand};
 use glam::DVec3;
 
@@ -48,6 +50,9 @@ pub struct Driven {
 const TRIES: [[f64; 2]; 8] =
     [[0.0, 0.0], [25.0, 0.0], [50.0, 0.0], [100.0, 0.0], [150.0, 0.0], [200.0, 50.0], [300.0, 150.0], [300.0, 300.0]];
 
+/// m/s, faster its pelvis turns too far with the legs.
+const FASTEST: f64 = 1.3;
+
 /// What of a scenario the articulated body cannot play yet, for a person; empty where it plays it all.
 pub fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
     let mut parts = Vec::new();
@@ -56,7 +61,12 @@ pub fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
             parts.push(name);
         }
     };
-    part(!scenario.walk.is_empty(), "[[walk]]");
+    let flat = matches!(scenario.ground.kind, GroundKind::Flat);
+    let straight = |walk: &Walk| walk.facing.is_none_or(|facing| wrap_angle(facing - walk.heading).abs() < 0.01);
+    let walks = !scenario.walk.is_empty();
+    part(walks && !flat, "[[walk]] on ground that is not flat");
+    part(!scenario.walk.iter().all(straight), "[[walk]] sideways or backwards");
+    part(scenario.walk.iter().any(|walk| walk.speed > FASTEST), "[[walk]] at more than 1.3 m/s");
     part(!scenario.turn.is_empty(), "[[turn]]");
     part(!scenario.crouch.is_empty() || scenario.character.crouch > 0.0, "crouch");
     part(!scenario.stand.is_empty(), "[[stand]]");
@@ -96,7 +106,13 @@ pub(super) fn run(
         })
         .collect();
     let hold = |time: f64| carried::hold(carried, loads, time);
-    let things = Things { incoming: &incoming, loads, hold: &hold };
+    let script = Script::of(scenario, Vec::new());
+    let walk = |time: f64| {
+        let intent = script.intent(time);
+        let velocity = intent.walk.unwrap_or_default();
+        (!scenario.walk.is_empty()).then_some(Order { velocity, facing: intent.facing })
+    };
+    let things = Things { incoming: &incoming, loads, hold: &hold, walk: &walk };
     let once = |bound: Assist| -> Result<Driven, BakeError> {
         let run = simulate_with(body, anatomy, physique, &terrain, options, pushes, bound, &things)
             .map_err(|broken| BakeError::BrokeDown { time: broken.time, what: broken.what })?;

@@ -10,6 +10,7 @@ use super::forces::{Forces, Wanted};
 use super::linear::{Factored, Matrix6};
 use super::swing::Reference;
 use super::tuning::Tuning;
+use super::walk::{Gait, Order};
 use super::world::{JointDrive, LinkState, World};
 use super::{flat, short};
 use crate::maths::hull::{closest_point, signed_distance};
@@ -113,6 +114,10 @@ pub struct Controller {
     pub(super) aimed: f64,
     pub(super) leaving: Option<(Side, usize)>,
     pub(super) bends: [Option<(f64, f64)>; 2],
+    /// Where it is to walk.
+    pub order: Option<Order>,
+    /// How it does.
+    pub gait: Gait,
 }
 
 impl Controller {
@@ -135,6 +140,8 @@ impl Controller {
             pelvis_height: states[0].origin.y,
             leaving: None,
             bends: [None; 2],
+            order: None,
+            gait: Gait::default(),
             aimed: states[0].origin.y,
             heading: yaw_of(states[0].turn),
             last: None,
@@ -247,7 +254,7 @@ impl Controller {
         }
         let moment =
             (tuning.moment[0] + if moving { tuning.moment[1] * fast } else { 0.0 }) * (mass / 89.5) * self.size;
-        let goal = middle + (xi - middle) * tuning.cop_gain;
+        let goal = self.gait.pressure().unwrap_or(middle + (xi - middle) * tuning.cop_gain);
         let inside = closest_point(&hull, goal).unwrap_or(middle);
         let cop = inside + (goal - inside).clamp_length_max(moment / (mass * GRAVITY));
         self.report.cop = inside;
@@ -262,7 +269,7 @@ impl Controller {
         let level = (flat(self.motion.com) - cop) * (up / height);
         let linear = DVec3::new(level.x, up - GRAVITY, level.y);
         // Pelvis and trunk upright, towards the heading.
-        if moving {
+        if moving && !self.gait.walks() {
             self.heading += 0.03 * wrap_angle(yaw_of(self.states[0].turn) - self.heading);
         }
         let facing = DQuat::from_rotation_y(self.heading);
@@ -278,11 +285,17 @@ impl Controller {
         for index in 1..count {
             let link = &figure.links[index];
             let parent = link.parent.unwrap_or(0);
-            let wanted = self.states[parent].turn * self.posture[index];
+            let [angle, rate, quickens] = self.against_legs(figure, index);
+            let axis = if index == figure.trunk { DVec3::Y } else { DVec3::X };
+            let swung = DQuat::from_axis_angle(axis, angle) * self.posture[index];
+            let wanted = self.states[parent].turn * if angle == 0.0 { self.posture[index] } else { swung };
             let error = short(wanted * self.states[index].turn.inverse());
             let spin = self.motion.relative_spin(figure, index);
             let omega = 0.6 * link.omega;
             self.relative[index] = error * omega * omega - spin * (2.0 * omega);
+            if rate != 0.0 || quickens != 0.0 {
+                self.relative[index] += self.states[parent].turn * axis * (rate * 2.0 * omega + quickens);
+            }
         }
         let legs = Side::BOTH.map(|side| {
             let bears = self.swing.is_none_or(|swing| swing.side != side);
@@ -320,7 +333,9 @@ impl Controller {
         }
         let base = Factored::new(matrix, 1e-3);
         let corners = self.corners(figure, terrain);
-        let wanted = Wanted { linear, angular, weights: tuning.weights };
+        let [level, up, tilt, yaw] = tuning.weights;
+        let yaw = if self.gait.walks() { self.gait.tuning.yaw } else { yaw };
+        let wanted = Wanted { linear, angular, weights: [level, up, tilt, yaw] };
         let mut forces = std::mem::take(&mut self.forces);
         let wrench = forces.solve(
             &corners,

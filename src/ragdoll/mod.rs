@@ -13,6 +13,7 @@ mod swing;
 mod tasks;
 pub mod things;
 pub mod tuning;
+pub mod walk;
 pub mod world;
 
 pub use control::Controller;

@@ -50,6 +50,9 @@ impl Controller {
         rate: f64,
         dt: f64,
     ) {
+        if self.stride(figure, terrain, pressed, loads, xi, rate, dt) {
+            return;
+        }
         if let Some(mut swing) = self.swing {
             let passed = self.time - swing.start;
             let (ankle, _) = self.foot(figure, swing.side);
@@ -75,30 +78,7 @@ impl Controller {
                     let situation = self.situation(figure, xi, rate, cop);
                     swing.target = plan::aim(&situation, &self.tuning.step, swing.side, swing.time, left).at;
                 }
-                swing.yaw += wrap_angle(self.heading - swing.yaw) * (dt / (left + dt)).min(1.0);
-                let goal = swing.target - self.ahead(swing.yaw);
-                // Off the ground before it travels.
-                if !down || passed > self.tuning.rise * swing.time {
-                    swing.free = true;
-                }
-                if swing.free {
-                    let left = (0.95 * swing.time - passed).max(0.02);
-                    swing.reference = swing::onwards(&swing.reference, goal, left, dt);
-                }
-                let x = (passed + dt) / (0.92 * swing.time);
-                let ground = terrain.spot(goal).height;
-                let base = swing.from.y + (ground - swing.from.y) * x.clamp(0.0, 1.0);
-                let (y, v, a) = if x < 1.0 {
-                    let [l, d, a] = swing::lift(x);
-                    let speed = 1.0 / (0.92 * swing.time);
-                    (base + swing.lift * l, swing.lift * d * speed, swing.lift * a * speed * speed)
-                } else {
-                    (swing.reference.at.y - 0.6 * dt, -0.6, 0.0)
-                };
-                swing.reference.acceleration.y = a;
-                swing.reference.at.y = y;
-                swing.reference.velocity.y = v;
-                self.swing = Some(swing);
+                self.carry_on(swing, terrain, down, dt);
             }
         }
         if self.swing.is_none() {
@@ -137,6 +117,37 @@ impl Controller {
                 self.comfort(figure, loads, xi, out, dt);
             }
         }
+    }
+
+    /// One tick more of a swing's reference, towards its target.
+    pub(super) fn carry_on(&mut self, mut swing: Swing, terrain: &Terrain, down: bool, dt: f64) {
+        let passed = self.time - swing.start;
+        let left = (swing.time - passed).max(0.0);
+        swing.yaw += wrap_angle(self.heading - swing.yaw) * (dt / (left + dt)).min(1.0);
+        let goal = swing.target - self.ahead(swing.yaw);
+        // Off the ground before it travels.
+        let rise = if self.gait.walks() { self.gait.tuning.rise } else { self.tuning.rise };
+        if !down || passed > rise * swing.time {
+            swing.free = true;
+        }
+        if swing.free {
+            let left = (0.95 * swing.time - passed).max(0.02);
+            swing.reference = swing::onwards(&swing.reference, goal, left, dt);
+        }
+        let x = (passed + dt) / (0.92 * swing.time);
+        let ground = terrain.spot(goal).height;
+        let base = swing.from.y + (ground - swing.from.y) * x.clamp(0.0, 1.0);
+        let (y, v, a) = if x < 1.0 {
+            let [l, d, a] = swing::lift(x);
+            let speed = 1.0 / (0.92 * swing.time);
+            (base + swing.lift * l, swing.lift * d * speed, swing.lift * a * speed * speed)
+        } else {
+            (swing.reference.at.y - 0.6 * dt, -0.6, 0.0)
+        };
+        swing.reference.acceleration.y = a;
+        swing.reference.at.y = y;
+        swing.reference.velocity.y = v;
+        self.swing = Some(swing);
     }
 
     /// Feet that do not stand side by side are set so, one after the other, once all is quiet.

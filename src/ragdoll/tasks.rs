@@ -106,7 +106,7 @@ impl Controller {
     /// A swinging leg that is almost straight cannot be steered by where its foot is to go: its knee is bent to the length that
     /// it is to have instead. How much so, and the knee's acceleration, rad/s².
     pub(super) fn bend(&self, figure: &Figure, side: Side) -> Option<(f64, f64)> {
-        let swing = self.swing.filter(|swing| swing.side == side)?;
+        let swing = self.swing.filter(|swing| swing.side == side && !self.gait.walks())?;
         let [hip, knee, ankle] = figure.legs[side as usize];
         let (thigh, shank) = (figure.links[knee].anchor.length(), figure.links[ankle].anchor.length());
         let flexion = |length: f64| {
@@ -183,14 +183,14 @@ impl Controller {
     /// Corners of the feet that bear, named.
     pub(super) fn corners(&self, figure: &Figure, terrain: &Terrain) -> Vec<(usize, Corner)> {
         let mut corners = Vec::with_capacity(8);
-        let moving = self.swing.is_some();
+        let moving = self.swing.is_some() || self.gait.walks();
         for side in Side::BOTH {
             if self.swing.is_some_and(|swing| swing.side == side) {
                 continue;
             }
             let state = &self.states[figure.legs[side as usize][2]];
             let middle = figure.soles[side as usize].iter().copied().sum::<DVec3>() / 4.0;
-            let leaves = self.leaving.is_some_and(|(leaving, _)| leaving == side);
+            let leaves = self.leaving.is_some_and(|(leaving, _)| leaving == side) || self.gait.leaves(side, self.time);
             let dear = if leaves { 30.0 } else { 1.0 };
             for (index, corner) in figure.soles[side as usize].iter().enumerate() {
                 let at = state.origin + state.turn * (middle + (*corner - middle) * self.tuning.inside);

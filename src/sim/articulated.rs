@@ -2,7 +2,7 @@
 //!
 //! Scenario space, SI, 10 ms ticks. The arms are told what a pushed person's would do (`whole_body::reaction`) and do what
 //! their joints let them. It stands, sways and steps; where balance is lost the joints give way and it falls until it lies.
-//! It does not walk yet. What breaks down is caught in the tick in which it does.
+//! On flat ground it walks. What breaks down is caught in the tick in which it does.
 
 use super::balls::{Balls, Flown, Incoming};
 use super::record::{Record, hung};
@@ -12,6 +12,7 @@ use crate::measure::{KnownPush, PushPoint};
 use crate::model::{Body, BodyPose, Load, Physique, Plant, Side, Terrain};
 use crate::ragdoll::control::Assist;
 use crate::ragdoll::figure::Part;
+use crate::ragdoll::walk::Order;
 use crate::ragdoll::{Controller, Figure, LinkState, Locks, Tuning, World, fall};
 use crate::whole_body::reaction::{Personality, Reaction, Senses, upper_turns};
 use crate::whole_body::solve::{Hold, PoseTarget};
@@ -101,12 +102,14 @@ pub struct Things<'a> {
     pub loads: &'a [Load],
     /// How the hands hold what at a time (s).
     pub hold: &'a dyn Fn(f64) -> Option<Hold>,
+    /// Where to walk at a time (s).
+    pub walk: &'a dyn Fn(f64) -> Option<Order>,
 }
 
 impl Things<'_> {
     /// Nothing.
     pub fn none() -> Self {
-        Things { incoming: &[], loads: &[], hold: &|_| None }
+        Things { incoming: &[], loads: &[], hold: &|_| None, walk: &|_| None }
     }
 }
 
@@ -187,6 +190,7 @@ fn attempt(
         let ground = terrain.held_at(time);
         let laden = run.carry(&figure, body, things.loads, time);
         let model = laden.as_ref().unwrap_or(&figure);
+        run.control.order = (things.walk)(time);
         let report = run.control.tick(model, &mut run.world, &ground);
         poses.push(pose_of(&figure, run.control.states()));
         let facing = yaw_of(run.control.states()[0].turn);
@@ -201,7 +205,7 @@ fn attempt(
         let state = record.ticks.last().expect("just recorded");
         let angles = reaction.tick(&senses(state), options.dt);
         let (_, _, _, arms) = upper_turns(&angles);
-        run.pose_arms(&figure, &arms);
+        run.pose_arms(&figure, &run.at_walk(arms));
         if let Some(hold) = (things.hold)(time + options.dt) {
             let held = Solver::new(body, anatomy).solve(&level.holding(hold)).pose;
             run.pose_held(&figure, &figure.placed(body, &held), hold.weight);
@@ -383,6 +387,21 @@ impl Run {
         }
     }
 
+    /// The arms of a walker hang, a little bent, and leave the swing to the gait.
+    fn at_walk(&self, arms: [ArmAngles; 2]) -> [ArmAngles; 2] {
+        let speed = if self.control.gait.walks() { self.control.gait.velocity().length() } else { 0.0 };
+        let share = (speed / 0.5).min(1.0);
+        let hang = relaxed_arms();
+        let mix = |a: f64, b: f64| a + (b - a) * share;
+        arms.map(|arm| ArmAngles {
+            raise: mix(arm.raise, hang.raise),
+            abduct: mix(arm.abduct, hang.abduct),
+            inward: mix(arm.inward, hang.inward),
+            elbow: mix(arm.elbow, hang.elbow + 0.2),
+            ..arm
+        })
+    }
+
     /// Tells the arms how they would be held.
     fn pose_arms(&mut self, figure: &Figure, arms: &[ArmAngles; 2]) {
         let lean = DQuat::from_rotation_x(stand::TRUNK_LEAN);
@@ -405,7 +424,7 @@ fn senses(tick: &TickState) -> Senses {
         push_moment: tick.push_moment,
         xi: tick.xi,
         velocity: DVec2::new(tick.velocity.x, tick.velocity.z),
-        wanted: DVec2::ZERO,
+        wanted: tick.walk,
         crouched: 0.0,
         on_one: false,
         feet: tick.feet,

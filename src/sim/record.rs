@@ -8,12 +8,12 @@ use crate::maths::filter::zero_lag;
 use crate::maths::quat::{rotation_vector, yaw_of};
 use crate::model::{Plant, Role, Side, Terrain};
 use crate::ragdoll::control::Report;
-use crate::ragdoll::{Controller, Figure, LinkState};
+use crate::ragdoll::{Controller, Figure, LinkState, walk};
 use crate::stepper::footing::to_ground;
 use crate::stepper::{Phase, Step, StepKind};
 use crate::whole_body::ArmAngles;
 use crate::whole_body::stand::{self, relaxed_arms};
-use glam::{DQuat, DVec2, DVec3, EulerRot};
+use glam::{DQuat, DVec3, EulerRot};
 
 /// Hz, above which the links' turns are jitter.
 const JITTER: f64 = 9.0;
@@ -76,7 +76,11 @@ impl Record {
             let bears = report.bears[side as usize];
             if self.bearing[side as usize] && !bears {
                 let comfort = control.swing.is_some_and(|swing| swing.comfort);
-                let kind = if comfort { StepKind::Comfort } else { StepKind::Corrective };
+                let kind = match comfort {
+                    _ if control.gait.walks() => StepKind::Walk,
+                    true => StepKind::Comfort,
+                    false => StepKind::Corrective,
+                };
                 self.lifted[side as usize] = Some((time, kind));
             } else if !self.bearing[side as usize]
                 && bears
@@ -98,8 +102,13 @@ impl Record {
             feet,
             planted: report.bears,
             facing: yaw_of(states[figure.trunk].turn),
-            walk: DVec2::ZERO,
-            gait: Phase::Rest,
+            walk: control.gait.velocity(),
+            gait: match control.gait.phase() {
+                walk::Phase::Rest => Phase::Rest,
+                walk::Phase::Start => Phase::Start,
+                walk::Phase::Double => Phase::Double,
+                walk::Phase::Single => Phase::Single,
+            },
             crouched: 0.0,
         });
         self.upper.push(upper(figure, states));
