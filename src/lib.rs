@@ -7,7 +7,7 @@
 //! | 0 | [`maths`] | glam only: pendulum formulae, springs, curves, filters, hulls, two-bone IK |
 //! | 1 | [`model`] | plain data: humanoid roles, body, pose, clip, contacts, scenario, report |
 //! | 2 | [`rig`], [`measure`] | glTF/VRM to [`rig::Rig`]; what is true of a motion: slip, ZMP, residual, pops |
-//! | 3 | [`stepper`], [`whole_body`], [`ragdoll`] | the low-dimensional controller; the pose that has its centre of mass and its feet; the articulated body |
+//! | 3 | [`mocap`], [`stepper`], [`whole_body`], [`ragdoll`] | BVH, FBX, glTF, VRMA to captures; the low-dimensional controller; the pose that has its centre of mass and its feet; the articulated body |
 //! | 4 | [`sim`] | the fixed-step session that runs the stepper under a scenario and leaves a trace |
 //! | 5 | [`bake`] | trace to clip: foot curves, reach envelope, ZMP filter, root motion, key reduction |
 //! | 6 | [`export`], [`picture`] | bytes of GLB and events; contact sheets, plots |
@@ -39,6 +39,7 @@ pub mod cli;
 pub mod export;
 pub mod maths;
 pub mod measure;
+pub mod mocap;
 pub mod model;
 pub mod picture;
 pub mod ragdoll;

@@ -1,6 +1,7 @@
 //! Plain data, with serde and validation: what the rows above pass to each other. No I/O, no algorithms.
 
 pub mod body;
+pub mod capture;
 pub mod clip;
 mod leg_scale;
 pub mod load;
@@ -18,6 +19,7 @@ pub mod scenario_text;
 pub mod terrain;
 
 pub use body::{Body, BodyJoint, FootShape, Segment, Side};
+pub use capture::Capture;
 pub use clip::{Channel, Clip, Interpolation, KeyValues, Target};
 pub use load::Load;
 pub use physique::{Physique, Plant};

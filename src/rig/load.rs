@@ -6,7 +6,9 @@
 use super::body::{BodyInput, derive, stated_mass};
 use super::document::{Resolve, read_file};
 use super::nodes::globals;
-use super::{Document, Mapping, Rig, RigError, bind, images, mapping, mesh, nodes, overrides, space};
+use super::{
+    Document, Mapping, MeshPart, Rig, RigError, RigNode, bind, images, mapping, mesh, nodes, overrides, space,
+};
 use crate::model::Role;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -28,7 +30,7 @@ pub fn load(path: &Path) -> Result<Rig, RigError> {
 /// Loads a rig from memory. `name` stands for the file in messages; `resolve` reads what the document points to;
 /// `overrides` is the text of the override file, if there is one.
 pub fn load_bytes(name: &str, bytes: &[u8], resolve: &Resolve, overrides: Option<&str>) -> Result<Rig, RigError> {
-    let mut document = Document::parse(name, bytes, resolve)?;
+    let document = Document::parse(name, bytes, resolve)?;
     if document.list("extensionsUsed").iter().any(|used| used == "VRMC_vrm_animation") {
         let remedy = "give the .vrm (or .glb) of the character".into();
         return Err(RigError::WrongKind { file: name.into(), what: "is a VRM animation, not a rig".into(), remedy });
@@ -37,10 +39,43 @@ pub fn load_bytes(name: &str, bytes: &[u8], resolve: &Resolve, overrides: Option
     let skins = bind::read_skins(&document).map_err(|fault| fault.in_file(name))?;
     let mut warnings = bind::set_bind_pose(&mut nodes, &skins);
     let bind_globals = globals(&nodes, |node| node.bind);
-    let (mut parts, notes) =
+    let (parts, notes) =
         mesh::read_parts(&document, &nodes, &skins, &bind_globals).map_err(|fault| fault.in_file(name))?;
     warnings.extend(notes);
+    assemble(Parts { name, document, nodes, skins, parts, warnings, overrides }, resolve)
+}
 
+/// A rig of bare nodes: a skeleton from another kind of file, standing at its rest pose. `nodes` has `local` and `bind` alike.
+pub fn skeleton(name: &str, nodes: Vec<RigNode>, overrides: Option<&str>) -> Result<Rig, RigError> {
+    let list: Vec<serde_json::Value> =
+        nodes.iter().map(|node| serde_json::json!({ "name": node.name.as_deref().unwrap_or_default() })).collect();
+    let document = Document {
+        json: serde_json::json!({ "asset": { "version": "2.0" }, "nodes": list }),
+        buffers: Vec::new(),
+        glb_buffer: false,
+        images: Vec::new(),
+        image_files: Vec::new(),
+    };
+    let nothing = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
+    let bare = Parts { name, document, nodes, skins: Vec::new(), parts: Vec::new(), warnings: Vec::new(), overrides };
+    assemble(bare, &nothing)
+}
+
+/// What a file was read into.
+struct Parts<'a> {
+    name: &'a str,
+    document: Document,
+    nodes: Vec<RigNode>,
+    skins: Vec<bind::Skin>,
+    parts: Vec<MeshPart>,
+    warnings: Vec<String>,
+    overrides: Option<&'a str>,
+}
+
+/// Finds the humanoid and its stance, and derives the body.
+fn assemble(read: Parts, resolve: &Resolve) -> Result<Rig, RigError> {
+    let Parts { name, mut document, nodes, skins, mut parts, mut warnings, overrides } = read;
+    let bind_globals = globals(&nodes, |node| node.bind);
     let found = mapping::find(name, &document, &nodes, &skins, &bind_globals, overrides)?;
     warnings.extend(found.warnings);
     let mut bones = found.bones;

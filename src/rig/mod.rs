@@ -36,7 +36,7 @@ pub mod vrm;
 
 pub use error::{Fault, RigError};
 pub use inspect::{inspect_json, inspect_text};
-pub use load::{load, load_bytes};
+pub use load::{load, load_bytes, skeleton};
 
 use crate::model::{Body, Role};
 use glam::{DQuat, DVec2, DVec3};

@@ -297,14 +297,15 @@ fn snap(direction: DVec3, up: DVec3) -> DVec3 {
     (snapped - up * snapped.dot(up)).normalize_or(direction)
 }
 
-fn nearest_axis(direction: DVec3) -> DVec3 {
+/// The signed axis that a direction is nearest to; +Y on a tie.
+pub fn nearest_axis(direction: DVec3) -> DVec3 {
     let axes = [DVec3::Y, DVec3::Z, DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z, DVec3::NEG_X];
     axes.into_iter()
         .fold(DVec3::Y, |best, axis| if axis.dot(direction) > best.dot(direction) + 1e-9 { axis } else { best })
 }
 
 /// "+X", "-Z"; for a slanting one the nearest axis.
-fn axis_name(direction: DVec3) -> String {
+pub fn axis_name(direction: DVec3) -> String {
     let axis = nearest_axis(direction);
     let sign = if axis.min_element() < 0.0 { '-' } else { '+' };
     let letter = if axis.x != 0.0 {
