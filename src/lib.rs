@@ -8,7 +8,7 @@
 //! | 1 | [`model`] | plain data: humanoid roles, body, pose, clip, contacts, scenario, report |
 //! | 2 | [`rig`], [`measure`] | glTF/VRM to [`rig::Rig`]; what is true of a motion: slip, ZMP, residual, pops |
 //! | 3 | [`mocap`], [`stepper`], [`whole_body`], [`ragdoll`] | BVH, FBX, glTF, VRMA to captures; the low-dimensional controller; the pose that has its centre of mass and its feet; the articulated body |
-//! | 4 | [`sim`] | the fixed-step session that runs the stepper under a scenario and leaves a trace |
+//! | 4 | [`sim`], [`audit`] | the fixed-step session that runs the stepper under a scenario and leaves a trace; captures to findings |
 //! | 5 | [`bake`] | trace to clip: foot curves, reach envelope, ZMP filter, root motion, key reduction |
 //! | 6 | [`export`], [`picture`] | bytes of GLB and events; contact sheets, plots |
 //! | 8 | [`cli`] | the command line; the files on disk |
@@ -34,6 +34,7 @@
 //! own glTF world; [`rig::Rig::document_from_scenario`] leads there. Angles are radians, times seconds, forces newtons;
 //! degrees appear only in files and on screen.
 
+pub mod audit;
 pub mod bake;
 pub mod cli;
 pub mod export;

@@ -3,6 +3,7 @@
 pub mod body;
 pub mod capture;
 pub mod clip;
+pub mod findings;
 mod leg_scale;
 pub mod load;
 pub mod physique;

@@ -1,0 +1,237 @@
+//! When and where each foot bears: the floor, the contacts on it, the steps between them.
+//!
+//! Clip space, m, s. A foot bears while some point of its sole hardly moves and is about as low as ground can be there: a foot that
+//! rolls from heel to toe has such a point all the way, a swinging one has none. The floor is the mode of the heights at which slow feet are
+//! (a low percentile would follow a sunken foot). Stairs and rough ground have a floor a contact.
+
+use super::track::{FootTrack, Track};
+use crate::model::Side;
+use glam::DVec2;
+
+/// m/s at a leg of 0.83 m: a sole's stillest point slower than this is on the ground; faster than the second, it has left.
+const SPEED: (f64, f64) = (0.45, 0.65);
+/// m/s: feet slower than this tell where the floor is.
+const SLOW: f64 = 0.25;
+/// m: a still foot may be that far over the floor and bear: lifted clips, steps of a stair.
+const REACH: f64 = 0.14;
+/// s: a contact is no shorter, a gap in one no longer.
+const SHORTEST: f64 = 0.07;
+/// s.
+const GAP: f64 = 0.05;
+/// m: heights of contacts that differ by more stand on different floors.
+const SAME_FLOOR: f64 = 0.035;
+
+/// The ground as the feet show it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ground {
+    /// m: where the floor is for each foot (the sole of a mesh-less foot is a guess, so each has its own).
+    pub floor: [f64; 2],
+    /// The contacts stand at heights of their own: stairs, rocks.
+    pub uneven: bool,
+}
+
+/// A foot on the ground.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contact {
+    /// Which foot.
+    pub side: Side,
+    /// First frame.
+    pub start: usize,
+    /// Last frame, inclusive.
+    pub end: usize,
+    /// Frames and a fraction: when it came down.
+    pub touch_down: f64,
+    /// m: the median height of its lowest point.
+    pub height: f64,
+    /// m, (x, z): where the foot stands: its place while it is flattest.
+    pub place: DVec2,
+    /// The clip begins or ends within it.
+    pub cut: (bool, bool),
+}
+
+/// A swing between two contacts of a foot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// Which foot.
+    pub side: Side,
+    /// Index of the contact that it leaves.
+    pub from: usize,
+    /// Index of the contact that it makes.
+    pub to: usize,
+}
+
+/// What the feet do.
+#[derive(Clone, Debug)]
+pub struct Footfalls {
+    /// The ground.
+    pub ground: Ground,
+    /// By start, left before right.
+    pub contacts: Vec<Contact>,
+    /// By touchdown.
+    pub steps: Vec<Step>,
+    /// (frames) index of the contact of each foot.
+    pub of: [Vec<Option<usize>>; 2],
+}
+
+/// Finds it all.
+pub fn footfalls(track: &Track) -> Footfalls {
+    let floor = floors(track);
+    let mut contacts: Vec<Contact> =
+        Side::BOTH.into_iter().flat_map(|side| contacts_of(track, side, floor[side as usize])).collect();
+    contacts.sort_by_key(|contact| (contact.start, contact.side as usize));
+    let uneven = uneven(&contacts, &floor, track.size());
+    let mut of = [vec![None; track.len()], vec![None; track.len()]];
+    for (index, contact) in contacts.iter().enumerate() {
+        of[contact.side as usize][contact.start..=contact.end].fill(Some(index));
+    }
+    let mut steps: Vec<Step> = Vec::new();
+    for side in Side::BOTH {
+        let own: Vec<usize> = (0..contacts.len()).filter(|index| contacts[*index].side == side).collect();
+        steps.extend(own.windows(2).map(|pair| Step { side, from: pair[0], to: pair[1] }));
+    }
+    steps.sort_by_key(|step| (contacts[step.to].start, step.side as usize));
+    Footfalls { ground: Ground { floor, uneven }, contacts, steps, of }
+}
+
+impl Footfalls {
+    /// m: the ground under a foot in a frame: its contact's own on uneven ground.
+    pub fn under(&self, side: Side, frame: usize) -> f64 {
+        match self.of[side as usize][frame] {
+            Some(index) if self.ground.uneven => self.contacts[index].height,
+            _ => self.ground.floor[side as usize],
+        }
+    }
+
+    /// m: the floor in a frame: the lower of the feet that bear, else of all.
+    pub fn floor_at(&self, frame: usize) -> f64 {
+        let bearing = Side::BOTH.into_iter().filter(|side| self.of[*side as usize][frame].is_some());
+        let lowest = bearing.map(|side| self.under(side, frame)).fold(f64::MAX, f64::min);
+        if lowest < f64::MAX { lowest } else { self.ground.floor[0].min(self.ground.floor[1]) }
+    }
+
+    /// How many feet bear.
+    pub fn bearing(&self, frame: usize) -> usize {
+        self.of.iter().filter(|of| of[frame].is_some()).count()
+    }
+
+    /// The last contact of a foot that began before a frame.
+    pub fn contact_before(&self, side: Side, frame: usize) -> Option<&Contact> {
+        self.contacts.iter().rev().find(|contact| contact.side == side && contact.start < frame)
+    }
+}
+
+/// m: the mode of the heights of each slow foot; of both together where one tells too little or stands apart.
+fn floors(track: &Track) -> [f64; 2] {
+    let slow = SLOW * track.tempo();
+    let of = |foot: &FootTrack| -> Vec<f64> {
+        foot.low.iter().zip(&foot.still).filter(|(_, still)| **still < slow).map(|(low, _)| *low).collect()
+    };
+    let each = track.feet.each_ref().map(of);
+    let mut both = [each[0].as_slice(), each[1].as_slice()].concat();
+    if both.is_empty() {
+        both = track.feet.iter().flat_map(|foot| foot.low.iter().copied()).collect();
+    }
+    let common = mode(&both, 0.01 * track.size());
+    each.map(|heights| {
+        let own = if heights.len() * 8 >= both.len() { mode(&heights, 0.01 * track.size()) } else { common };
+        if (own - common).abs() < SAME_FLOOR * track.size() { own } else { common }
+    })
+}
+
+/// The value around which most lie, by a triangular kernel of that half width.
+fn mode(values: &[f64], width: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    // Ten thousand values say where the mode is as well as a million.
+    let step = sorted.len().div_ceil(4000).max(1);
+    let sorted: Vec<f64> = sorted.into_iter().step_by(step).collect();
+    let (mut best, mut most) = (sorted.first().copied().unwrap_or(0.0), f64::MIN);
+    let mut from = 0;
+    for (index, value) in sorted.iter().enumerate() {
+        while sorted[from] < value - width {
+            from += 1;
+        }
+        let mut weight = 0.0;
+        let mut mean = 0.0;
+        for other in sorted[from..].iter().take_while(|other| **other <= value + width) {
+            let share = 1.0 - (other - value).abs() / width;
+            weight += share;
+            mean += share * other;
+        }
+        if weight > most + 1e-9 {
+            (best, most) = (mean / weight.max(1e-12), weight);
+        }
+        let _ = index;
+    }
+    best
+}
+
+fn contacts_of(track: &Track, side: Side, floor: f64) -> Vec<Contact> {
+    let foot = &track.feet[side as usize];
+    let frames = foot.low.len();
+    let (on, off) = (SPEED.0 * track.tempo(), SPEED.1 * track.tempo());
+    let reach = REACH * track.size();
+    let other = &track.feet[1 - side as usize];
+    let near = |frame: usize| {
+        let height = foot.low[frame] - floor;
+        height < reach || foot.low[frame] < other.low[frame] + 0.02
+    };
+    let mut spans: Vec<(usize, usize)> = Vec::new();
+    let mut open: Option<usize> = None;
+    for frame in 0..frames {
+        let bears = near(frame) && foot.still[frame] < if open.is_some() { off } else { on };
+        match (open, bears) {
+            (None, true) => open = Some(frame),
+            (Some(start), false) => {
+                spans.push((start, frame - 1));
+                open = None;
+            }
+            _ => {}
+        }
+    }
+    spans.extend(open.map(|start| (start, frames - 1)));
+    let least = |seconds: f64| (seconds * track.capture.fps * track.tempo()).round() as usize;
+    let mut merged: Vec<(usize, usize)> = Vec::new();
+    for span in spans {
+        match merged.last_mut() {
+            Some(last) if span.0 - last.1 <= least(GAP) + 1 => last.1 = span.1,
+            _ => merged.push(span),
+        }
+    }
+    merged.retain(|(start, end)| end - start + 1 >= least(SHORTEST).max(2) || *start == 0 || *end + 1 == frames);
+    merged.into_iter().map(|(start, end)| contact(track, side, start, end, on)).collect()
+}
+
+fn contact(track: &Track, side: Side, start: usize, end: usize, on: f64) -> Contact {
+    let foot = &track.feet[side as usize];
+    let mut lows: Vec<f64> = foot.low[start..=end].to_vec();
+    lows.sort_by(f64::total_cmp);
+    let touch_down = match start.checked_sub(1) {
+        Some(before) if foot.still[before] > on => {
+            let (from, to) = (foot.still[before], foot.still[start]);
+            before as f64 + ((from - on) / (from - to).max(1e-9)).clamp(0.0, 1.0)
+        }
+        _ => start as f64,
+    };
+    let tilt = |frame: usize| {
+        let [heel, ball, _] = foot.points[frame];
+        (heel.y - ball.y).abs()
+    };
+    let mut flattest: Vec<usize> = (start..=end).collect();
+    flattest.sort_by(|a, b| tilt(*a).total_cmp(&tilt(*b)).then(a.cmp(b)));
+    flattest.truncate((flattest.len() / 2).max(1));
+    let median = |pick: &dyn Fn(DVec2) -> f64| {
+        let mut values: Vec<f64> = flattest.iter().map(|frame| pick(foot.place(*frame))).collect();
+        values.sort_by(f64::total_cmp);
+        values[values.len() / 2]
+    };
+    let place = DVec2::new(median(&|place| place.x), median(&|place| place.y));
+    let last = track.len() - 1;
+    Contact { side, start, end, touch_down, height: lows[lows.len() / 2], place, cut: (start == 0, end == last) }
+}
+
+/// Whether a third of the contacts stand off the floor by more than a sole's error.
+fn uneven(contacts: &[Contact], floor: &[f64; 2], size: f64) -> bool {
+    let off = |contact: &&Contact| (contact.height - floor[contact.side as usize]).abs() > SAME_FLOOR * size;
+    contacts.len() >= 4 && contacts.iter().filter(off).count() * 3 > contacts.len()
+}

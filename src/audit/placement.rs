@@ -1,0 +1,161 @@
+//! The pendulum's own rule: where a step had to land, from the state at touchdown, against where it landed.
+//!
+//! Clip space, SI. At touchdown the extrapolated centre of mass ξ = c + v/ω leads a walker's foot by an offset that is his own (Hof,
+//! "The extrapolated center of mass concept suggests a simple control of balance in walking", 2008). Along the way the offset of a
+//! steady walker is v T / (e^{ωT} - 1), which stands for the paper's step distance of one who does not stop; sideways it is a constant on
+//! each foot's own side, less what a curve needs: a centripetal acceleration v·dψ/dt moves the support by its share of it over ω². What
+//! is left is the walker's, and is taken from the clip: the median over its other steps, drawn to a population's where there are few.
+
+use super::contacts::{Contact, Footfalls, Step};
+use super::track::Track;
+use crate::maths::pendulum;
+use crate::maths::quat::wrap_angle;
+use crate::model::Side;
+use glam::DVec2;
+
+/// m a (m/s · rad/s), at a leg of 0.83 m: how far a curve moves the support inwards.
+const CURVE: f64 = 0.043;
+/// m, forward and sideways: what is left of a step's offset in people, mean over captured walks, at a leg of 0.83 m.
+const POPULATION: DVec2 = DVec2::new(0.0, 0.0);
+/// Steps that the population counts as.
+const PRIOR: f64 = 1.0;
+/// m/s: below that speed the way is where the pelvis looks.
+const WALKS: f64 = 0.3;
+
+/// A step with the state that it was taken in.
+#[derive(Clone, Copy, Debug)]
+pub struct Taken {
+    /// Which.
+    pub step: Step,
+    /// s, of the touchdown.
+    pub time: f64,
+    /// m, (x, z): ξ at touchdown.
+    pub xi: DVec2,
+    /// m, (x, z): the centre of mass.
+    pub com: DVec2,
+    /// Unit, (x, z): along the way.
+    pub ahead: DVec2,
+    /// Unit, (x, z): outwards, to the foot's own side.
+    pub out: DVec2,
+    /// m/s, horizontal.
+    pub speed: f64,
+    /// 1/s.
+    pub omega: f64,
+    /// m, (along, out): the model's offset of the foothold from ξ, without the walker's own.
+    pub model: DVec2,
+    /// m, (along, out): what the foothold's offset leaves of it.
+    pub rest: DVec2,
+    /// m, the paper's step distance of a step that stops.
+    pub stopping: f64,
+}
+
+/// A step judged.
+#[derive(Clone, Copy, Debug)]
+pub struct Judged {
+    /// The step.
+    pub taken: Taken,
+    /// m, (x, z): where the foot had to be.
+    pub predicted: DVec2,
+    /// m, (along, out): the actual foothold less that.
+    pub error: DVec2,
+}
+
+/// Every step whose beginning and end the clip shows, with its state.
+pub fn taken(track: &Track, feet: &Footfalls) -> Vec<Taken> {
+    feet.steps.iter().filter_map(|step| state(track, feet, *step)).collect()
+}
+
+/// Judges them: each against the model and the median of the others.
+pub fn judge(track: &Track, feet: &Footfalls, taken: &[Taken]) -> Vec<Judged> {
+    let size = track.size();
+    let own = |index: usize| {
+        let others: Vec<&Taken> = (0..taken.len()).filter(|other| *other != index).map(|other| &taken[other]).collect();
+        let pick = |axis: usize| {
+            let values: Vec<f64> = others.iter().map(|other| other.rest[axis]).collect();
+            let count = values.len() as f64;
+            (count * median(&values) + PRIOR * POPULATION[axis] * size) / (count + PRIOR)
+        };
+        DVec2::new(pick(0), pick(1))
+    };
+    (0..taken.len())
+        .map(|index| {
+            let step = taken[index];
+            let own = own(index);
+            let offset = step.model + own;
+            let predicted = step.xi + step.ahead * offset.x + step.out * offset.y;
+            let _ = feet;
+            Judged { taken: step, predicted, error: step.rest - own }
+        })
+        .collect()
+}
+
+fn state(track: &Track, feet: &Footfalls, step: Step) -> Option<Taken> {
+    let landing: &Contact = &feet.contacts[step.to];
+    let stance = feet.contact_before(other(step.side), landing.start)?;
+    let hz = track.capture.fps;
+    let at = landing.touch_down;
+    let (from, share) = (at.floor() as usize, at.fract());
+    let to = (from + 1).min(track.len() - 1);
+    let com = track.com[from].lerp(track.com[to], share);
+    let velocity = track.velocity[from].lerp(track.velocity[to], share);
+    let floor = landing.height;
+    let omega = track.omega(from, floor);
+    let (com, velocity) = (DVec2::new(com.x, com.z), DVec2::new(velocity.x, velocity.z));
+    let speed = velocity.length();
+    let ahead = if speed > WALKS * track.tempo() { velocity / speed } else { track.facing[from] };
+    let left = DVec2::new(ahead.y, -ahead.x);
+    let out = if step.side == Side::Left { left } else { -left };
+    let xi = pendulum::extrapolated(com, velocity, omega);
+    let interval = ((at - stance.touch_down) / hz).clamp(0.15, 1.5);
+    let steady = speed * interval / ((omega * interval).exp() - 1.0);
+    let inwards = turn_rate(track, from, hz) * speed * CURVE / track.tempo();
+    let model = DVec2::new(-steady, -inwards * out.dot(left));
+    let offset = landing.place - xi;
+    let rest = DVec2::new(offset.dot(ahead), offset.dot(out)) - model;
+    let height = track.com[from].y - floor;
+    Some(Taken {
+        step,
+        time: at / hz,
+        xi,
+        com,
+        ahead,
+        out,
+        speed,
+        omega,
+        model,
+        rest,
+        stopping: pendulum::step_distance(speed, 0.0, height.max(0.1), 0.0),
+    })
+}
+
+/// rad/s, positive to the left: how fast the way turns, over a fifth of a second.
+fn turn_rate(track: &Track, frame: usize, hz: f64) -> f64 {
+    let half = (0.1 * hz).round().max(1.0) as usize;
+    let (before, after) = (frame.saturating_sub(half), (frame + half).min(track.len() - 1));
+    let heading = |frame: usize| {
+        let velocity = track.velocity[frame];
+        let slow = velocity.length() < WALKS * track.tempo();
+        (!slow).then(|| velocity.x.atan2(velocity.z))
+    };
+    match (heading(before), heading(after)) {
+        (Some(first), Some(last)) if after > before => {
+            (wrap_angle(last - first) * hz / (after - before) as f64).clamp(-4.0, 4.0)
+        }
+        _ => 0.0,
+    }
+}
+
+fn other(side: Side) -> Side {
+    if side == Side::Left { Side::Right } else { Side::Left }
+}
+
+/// The middle one; 0 of none.
+pub fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    match sorted.len() {
+        0 => 0.0,
+        count if count % 2 == 1 => sorted[count / 2],
+        count => 0.5 * (sorted[count / 2 - 1] + sorted[count / 2]),
+    }
+}

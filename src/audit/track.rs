@@ -1,0 +1,149 @@
+//! What the rules look at: centre of mass, its speed, and each foot's sole points with their heights and speeds, frame by frame.
+//!
+//! Clip space (metres, Y up), SI. The centre of mass is filtered (7 Hz, zero lag, as everywhere); feet are filtered at 12 Hz where the
+//! frame rate allows, so that marker noise does not shake a standing foot off the ground.
+
+use crate::maths::filter;
+use crate::measure::GRAVITY;
+use crate::measure::dynamics::CUTOFF_HZ;
+use crate::measure::support::levelled_point;
+use crate::model::{Capture, Role, Side};
+use glam::{DVec2, DVec3};
+
+/// Hz; above a foot's own motion in a heel strike, below markers' noise.
+const FOOT_HZ: f64 = 12.0;
+
+/// A capture with what is derived from it.
+#[derive(Clone, Debug)]
+pub struct Track<'a> {
+    /// The motion.
+    pub capture: &'a Capture,
+    /// m, filtered.
+    pub com: Vec<DVec3>,
+    /// m/s.
+    pub velocity: Vec<DVec3>,
+    /// m/s².
+    pub acceleration: Vec<DVec3>,
+    /// Left and right.
+    pub feet: [FootTrack; 2],
+    /// Unit, (x, z): where the pelvis looks.
+    pub facing: Vec<DVec2>,
+}
+
+/// One foot's points.
+#[derive(Clone, Debug, Default)]
+pub struct FootTrack {
+    /// m: rear end, bending line and front end of the sole.
+    pub points: Vec<[DVec3; 3]>,
+    /// m/s, of the same points.
+    pub speeds: Vec<[DVec3; 3]>,
+    /// m: height of the lowest of the sole.
+    pub low: Vec<f64>,
+    /// m/s: speed of the point that moves least.
+    pub still: Vec<f64>,
+}
+
+impl<'a> Track<'a> {
+    /// Derives it. The capture has one frame at least.
+    pub fn new(capture: &'a Capture) -> Track<'a> {
+        let hz = capture.fps;
+        let raw: Vec<DVec3> = (0..capture.frames()).map(|frame| capture.centre_of_mass(frame)).collect();
+        let com = filter::zero_lag(&raw, CUTOFF_HZ, hz);
+        let velocity = filter::derivative(&com, hz);
+        let acceleration = filter::second_derivative(&com, hz);
+        let feet = Side::BOTH.map(|side| foot_track(capture, side));
+        Track { com, velocity, acceleration, feet, facing: facing(capture), capture }
+    }
+
+    /// Frames.
+    pub fn len(&self) -> usize {
+        self.com.len()
+    }
+
+    /// Whether there is none (never, of a capture).
+    pub fn is_empty(&self) -> bool {
+        self.com.is_empty()
+    }
+
+    /// 1/s, of the pendulum whose height is the centre of mass's over that ground.
+    pub fn omega(&self, frame: usize, floor: f64) -> f64 {
+        let tallest = self.capture.body.leg_length;
+        (GRAVITY / (self.com[frame].y - floor).max(0.3 * tallest)).sqrt()
+    }
+
+    /// The body's own length: what lengths scale by, 1 for a leg of 0.83 m.
+    pub fn size(&self) -> f64 {
+        (self.capture.body.leg_length / 0.83).max(1e-3)
+    }
+
+    /// s, the body's own time: what times scale by, 1 for a leg of 0.83 m.
+    pub fn tempo(&self) -> f64 {
+        self.size().sqrt()
+    }
+}
+
+impl FootTrack {
+    /// m, (x, z): where the foot stands in a frame: the middle of heel and bending line.
+    pub fn place(&self, frame: usize) -> DVec2 {
+        let [heel, ball, _] = self.points[frame];
+        let middle = (heel + ball) * 0.5;
+        DVec2::new(middle.x, middle.z)
+    }
+}
+
+fn foot_track(capture: &Capture, side: Side) -> FootTrack {
+    let hz = capture.fps;
+    let foot = &capture.body.feet[side as usize];
+    let body = &capture.body;
+    let heel = levelled_point(foot, foot.heel, 0.0, 0.0);
+    let ball = levelled_point(foot, foot.ball, 0.0, 0.0);
+    let ahead = |offset: &DVec3| {
+        let levelled = foot.level * *offset;
+        foot.forward.dot(DVec2::new(levelled.x, levelled.z))
+    };
+    let front = foot.front_sole.iter().copied().max_by(|a, b| ahead(a).total_cmp(&ahead(b)));
+    let front = front.unwrap_or_else(|| levelled_point(foot, foot.tip, 0.0, 0.0));
+    let shift = foot.toe.map_or(DVec3::ZERO, |toe| body.joints[toe].rest - body.joints[foot.ankle].rest);
+    let (tip_joint, tip) = (foot.toe.unwrap_or(foot.ankle), front - shift);
+    let mut series: [Vec<DVec3>; 3] = Default::default();
+    let mut low = Vec::with_capacity(capture.frames());
+    for frame in 0..capture.frames() {
+        let places = [
+            capture.rigid_point(frame, foot.ankle, heel),
+            capture.rigid_point(frame, foot.ankle, ball),
+            capture.rigid_point(frame, tip_joint, tip),
+        ];
+        low.push(places.iter().map(|place| place.y).fold(f64::MAX, f64::min));
+        for (series, place) in series.iter_mut().zip(places) {
+            series.push(place);
+        }
+    }
+    let series = series.map(|series| filter::zero_lag(&series, FOOT_HZ, hz));
+    let rates = [0, 1, 2].map(|point: usize| filter::derivative(&series[point], hz));
+    let low = filter::zero_lag(&low, FOOT_HZ, hz);
+    let frames = low.len();
+    let still =
+        (0..frames).map(|frame| rates.iter().map(|rate| rate[frame].length()).fold(f64::MAX, f64::min)).collect();
+    FootTrack {
+        points: (0..frames).map(|frame| [series[0][frame], series[1][frame], series[2][frame]]).collect(),
+        speeds: (0..frames).map(|frame| [rates[0][frame], rates[1][frame], rates[2][frame]]).collect(),
+        low,
+        still,
+    }
+}
+
+/// Where the pelvis looks: square to the line of the hip joints.
+fn facing(capture: &Capture) -> Vec<DVec2> {
+    let joint = |role| capture.body.joint(role).unwrap_or(0);
+    let (left, right) = (joint(Role::LeftUpperLeg), joint(Role::RightUpperLeg));
+    let mut last = DVec2::Y;
+    (0..capture.frames())
+        .map(|frame| {
+            let places = capture.at(frame);
+            let across = places[left] - places[right];
+            // X is left where Z is ahead: ahead = left x up.
+            last = DVec2::new(-across.z, across.x).try_normalize().unwrap_or(last);
+            last
+        })
+        .collect()
+}
