@@ -18,6 +18,14 @@ const REACH: f64 = 0.14;
 const SHORTEST: f64 = 0.07;
 /// s.
 const GAP: f64 = 0.05;
+/// m: a foot that rises no more within a gap, and gets no farther while the other swings, or while it does not, was no swing.
+const LIFT: f64 = 0.03;
+/// m.
+const SLID: f64 = 0.3;
+/// m.
+const STAYED: f64 = 0.1;
+/// s.
+const LONGEST_GAP: f64 = 0.4;
 /// m: heights of contacts that differ by more stand on different floors.
 const SAME_FLOOR: f64 = 0.035;
 
@@ -147,7 +155,7 @@ fn mode(values: &[f64], width: f64) -> f64 {
     let sorted: Vec<f64> = sorted.into_iter().step_by(step).collect();
     let (mut best, mut most) = (sorted.first().copied().unwrap_or(0.0), f64::MIN);
     let mut from = 0;
-    for (index, value) in sorted.iter().enumerate() {
+    for value in &sorted {
         while sorted[from] < value - width {
             from += 1;
         }
@@ -161,7 +169,6 @@ fn mode(values: &[f64], width: f64) -> f64 {
         if weight > most + 1e-9 {
             (best, most) = (mean / weight.max(1e-12), weight);
         }
-        let _ = index;
     }
     best
 }
@@ -194,12 +201,26 @@ fn contacts_of(track: &Track, side: Side, floor: f64) -> Vec<Contact> {
     let mut merged: Vec<(usize, usize)> = Vec::new();
     for span in spans {
         match merged.last_mut() {
-            Some(last) if span.0 - last.1 <= least(GAP) + 1 => last.1 = span.1,
+            Some(last) if span.0 - last.1 <= least(GAP) + 1 || is_no_swing(track, side, *last, span) => last.1 = span.1,
             _ => merged.push(span),
         }
     }
     merged.retain(|(start, end)| end - start + 1 >= least(SHORTEST).max(2) || *start == 0 || *end + 1 == frames);
     merged.into_iter().map(|(start, end)| contact(track, side, start, end, on)).collect()
+}
+
+/// Whether a foot bears all through the gap between two spans in which it is still: it is lifted with the whole body, or slides. It
+/// stays low, gets nowhere near a step's length, and the other foot is on its way meanwhile, or the gap is too short for a swing.
+fn is_no_swing(track: &Track, side: Side, before: (usize, usize), after: (usize, usize)) -> bool {
+    let foot = &track.feet[side as usize];
+    let other = &track.feet[1 - side as usize];
+    let (from, to) = (before.1, after.0);
+    let seconds = (to - from) as f64 / track.capture.fps / track.tempo();
+    let travel = foot.place(from).distance(foot.place(to)) / track.size();
+    let level = foot.low[from].max(foot.low[to]);
+    let rise = foot.low[from..=to].iter().map(|low| low - level).fold(0.0, f64::max) / track.size();
+    let swings = (from..=to).any(|frame| other.still[frame] > 1.2 * track.tempo());
+    rise < LIFT && seconds < LONGEST_GAP && if swings { travel < SLID } else { travel < STAYED }
 }
 
 fn contact(track: &Track, side: Side, start: usize, end: usize, on: f64) -> Contact {
