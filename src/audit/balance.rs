@@ -3,9 +3,9 @@
 //! Clip space, m. With the rate of angular momentum, 7 Hz, as in `measure::zmp`. The support is the hull of the soles that bear, those
 //! that come down or leave within some hundredths of a second among them: a contact's edge is not known better than that.
 
-use super::{Domain, Mark};
 use super::contacts::Footfalls;
 use super::track::Track;
+use super::{Domain, Mark};
 use crate::maths::hull::{convex_hull, signed_distance};
 use crate::measure::dynamics::dynamics;
 use crate::measure::{GRAVITY, Motion};
@@ -18,6 +18,8 @@ use glam::DVec2;
 const OUT: [(f64, f64); 2] = [(0.36, 0.06), (0.13, 0.12)];
 /// m: what is out by as much beside such a span belongs to it.
 const BESIDE: f64 = 0.08;
+/// s: so much at either end of a clip is not judged.
+const ENDS: f64 = 0.1;
 /// s: spans that are nearer are one.
 const JOIN: f64 = 0.35;
 /// s: soles that bear within that time carry.
@@ -53,7 +55,7 @@ pub fn balance(track: &Track, feet: &Footfalls) -> Vec<Option<Balance>> {
             }
             let support = support(track, feet, frame, edge)?;
             let com = found.com[frame];
-            let height = com.y - feet.floor_at(frame);
+            let height = com.y - feet.floor_at(frame, track.below(frame));
             // Where the ground's force has no tangential moment.
             let zmp = DVec2::new(
                 com.x - (height * needed.force.x + needed.moment.z) / needed.force.y,
@@ -67,7 +69,12 @@ pub fn balance(track: &Track, feet: &Footfalls) -> Vec<Option<Balance>> {
 /// Every mark of the rule.
 pub fn marks(track: &Track, balance: &[Option<Balance>], domain: &Domain) -> Vec<Mark> {
     let size = track.size();
-    let out = |frame: usize| balance[frame].filter(|_| domain.walks(frame)).map_or(f64::MIN, |found| found.out);
+    // A filter knows less at the ends of a clip.
+    let end = (ENDS * track.capture.fps).round() as usize;
+    let inner = end..(track.len().saturating_sub(end));
+    let out = |frame: usize| {
+        balance[frame].filter(|_| inner.contains(&frame) && domain.walks(frame)).map_or(f64::MIN, |found| found.out)
+    };
     let join = (JOIN * track.capture.fps).round() as usize;
     let mut spans: Vec<(usize, usize)> = Vec::new();
     for (start, end) in super::spans(track.len(), |frame| out(frame) > BESIDE * size) {

@@ -30,6 +30,8 @@ pub enum Reason {
     Hands,
     /// Nothing bears that is seen.
     Unsupported,
+    /// A pose before the motion begins.
+    Pose,
 }
 
 impl Reason {
@@ -38,6 +40,7 @@ impl Reason {
             Reason::Flight => "flight: a run or a jump is no inverted pendulum",
             Reason::Low => "the body is too low for a pendulum on legs: it sits, kneels or lies",
             Reason::Hands => "a hand rests on something that is not in the clip",
+            Reason::Pose => "a pose that stands before the motion begins",
             Reason::Unsupported => "no foot bears: what carries the body is not seen",
         }
     }
@@ -59,6 +62,11 @@ impl Domain {
     /// Whether it applies in all of a span.
     pub fn walks_in(&self, start: usize, end: usize) -> bool {
         self.reasons[start..=end].iter().all(Option::is_none)
+    }
+
+    /// Says nothing of so many frames at the beginning.
+    pub fn begin_after(&mut self, frames: usize) {
+        self.reasons[..frames].fill(Some(Reason::Pose));
     }
 
     /// Share of the frames in which it does.
@@ -104,7 +112,9 @@ pub fn domain(track: &Track, feet: &Footfalls) -> Domain {
         }
     }
     let low = LOW * track.capture.body.leg_length;
-    for (start, end) in super::spans(frames, |frame| track.com[frame].y - feet.floor_at(frame) < low) {
+    for (start, end) in
+        super::spans(frames, |frame| track.com[frame].y - feet.floor_at(frame, track.below(frame)) < low)
+    {
         set(start, end, Reason::Low);
     }
     for (start, end) in held(track) {

@@ -37,9 +37,11 @@ pub fn audit(capture: &Capture, options: &AuditOptions) -> Findings {
     if capture.frames() == 0 {
         return findings;
     }
-    let track = Track::new(capture);
+    let (held, posed) = track::without_pose(capture);
+    let track = Track::new(held.as_ref().unwrap_or(capture));
     let feet = footfalls(&track);
-    let domain = domain::domain(&track, &feet);
+    let mut domain = domain::domain(&track, &feet);
+    domain.begin_after(posed);
     let taken: Vec<_> = placement::taken(&track, &feet)
         .into_iter()
         .filter(|taken| domain.walks_in(feet.contacts[taken.step.from].end, feet.contacts[taken.step.to].start))

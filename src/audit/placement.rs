@@ -7,8 +7,8 @@
 //! is left is the walker's, and is taken from the clip: the median over its other steps, drawn to a population's where there are few.
 
 use super::contacts::{Contact, Footfalls, Step};
-use super::{Mark, foot_name};
 use super::track::Track;
+use super::{Mark, foot_name};
 use crate::maths::pendulum;
 use crate::maths::quat::wrap_angle;
 use crate::model::Side;
@@ -23,6 +23,13 @@ const POPULATION: DVec2 = DVec2::new(0.025, 0.035);
 const PRIOR: DVec2 = DVec2::new(0.25, 0.5);
 /// m: a foothold that is off by more is flagged, forward and sideways, at a leg of 0.83 m, where many steps tell the walker's own.
 const PLACED: DVec2 = DVec2::new(0.125, 0.1);
+/// m at a leg of 0.83 m: a clip whose steps scatter by more (a standard deviation, by their median error) dances or fights; there a step
+/// must be off by so many of them.
+const IRREGULAR: f64 = 0.05;
+/// See [`IRREGULAR`].
+const SCATTER: f64 = 4.0;
+/// s at a leg of 0.83 m: a step comes no later after the other foot's; later ones end a stand, and no walker's offset tells of them.
+const WALKING: f64 = 1.1;
 /// m/s: below that speed the way is where the pelvis looks.
 const WALKS: f64 = 0.3;
 
@@ -86,7 +93,16 @@ pub fn judge(track: &Track, taken: &[Taken]) -> Vec<Judged> {
             let own = DVec2::new(own(0), own(1));
             let offset = step.model + own;
             let predicted = step.xi + step.ahead * offset.x + step.out * offset.y;
-            let limit = |axis: usize| PLACED[axis] * size * (1.0 + 1.0 / (count + PRIOR[axis])).sqrt();
+            let scatter = |axis: usize| {
+                let misses: Vec<f64> =
+                    others.clone().map(|other| (taken[other].rest[axis] - own[axis]).abs()).collect();
+                1.48 * median(&misses)
+            };
+            let limit = |axis: usize| {
+                let told = PLACED[axis] * size * (1.0 + 1.0 / (count + PRIOR[axis])).sqrt();
+                let scatter = scatter(axis);
+                if scatter > IRREGULAR * size { told.max(SCATTER * scatter) } else { told }
+            };
             Judged { taken: step, predicted, error: step.rest - own, limit: DVec2::new(limit(0), limit(1)) }
         })
         .collect()
@@ -142,7 +158,10 @@ fn state(track: &Track, feet: &Footfalls, step: Step) -> Option<Taken> {
     let left = DVec2::new(ahead.y, -ahead.x);
     let out = if step.side == Side::Left { left } else { -left };
     let xi = pendulum::extrapolated(com, velocity, omega);
-    let interval = ((at - stance.touch_down) / hz).clamp(0.15, 1.5);
+    let interval = ((at - stance.touch_down) / hz).max(0.15);
+    if interval > WALKING * track.tempo() {
+        return None;
+    }
     let steady = speed * interval / ((omega * interval).exp() - 1.0);
     let inwards = turn_rate(track, from, hz) * speed * CURVE / track.tempo();
     let model = DVec2::new(-steady, -inwards * out.dot(left));

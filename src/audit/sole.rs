@@ -14,6 +14,8 @@ use glam::DVec2;
 const SLIDE: f64 = 0.08;
 /// m: a sole that far under or over its floor is told.
 const DEPTH: f64 = 0.035;
+/// m: over its floor by more, a foot stands on something.
+const HOVER: f64 = 0.16;
 /// s: no shorter.
 const BRIEF: f64 = 0.1;
 
@@ -51,7 +53,10 @@ fn slides(track: &Track, feet: &Footfalls) -> Vec<Mark> {
             let rule = if other { Rule::Drift } else { Rule::FootSlide };
             let name = super::foot_name(contact.side);
             let why = if other {
-                format!("the {name} foot and the other one go {:.0} cm over the ground together: the root wanders", 100.0 * far)
+                format!(
+                    "the {name} foot and the other one go {:.0} cm over the ground together: the root wanders",
+                    100.0 * far
+                )
             } else {
                 format!("the {name} foot bears and slides {:.0} cm", 100.0 * far)
             };
@@ -93,7 +98,8 @@ fn heights(track: &Track, feet: &Footfalls) -> Vec<Mark> {
     for (rule, sign) in [(Rule::Penetration, -1.0), (Rule::Float, 1.0)] {
         let off = |side: Side, frame: usize| {
             let bears = feet.of[side as usize][frame].is_some();
-            let height = track.feet[side as usize].low[frame] - feet.under(side, frame);
+            let foot = &track.feet[side as usize];
+            let height = foot.low[frame] - feet.under(side, frame, foot.place(frame));
             if bears || rule == Rule::Penetration { sign * height } else { f64::MIN }
         };
         // Only what bears can hover, and only if nothing holds the body up meanwhile.
@@ -104,7 +110,9 @@ fn heights(track: &Track, feet: &Footfalls) -> Vec<Mark> {
                 held.fold(f64::MAX, f64::min)
             }
         };
-        for (start, end) in super::spans(track.len(), |frame| (depth..f64::MAX).contains(&worst(frame))) {
+        // What hovers higher than a step stands on something.
+        let most = if rule == Rule::Float { HOVER * track.size() } else { f64::MAX };
+        for (start, end) in super::spans(track.len(), |frame| (depth..most).contains(&worst(frame))) {
             if end - start + 1 < brief {
                 continue;
             }
