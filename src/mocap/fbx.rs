@@ -20,6 +20,8 @@ const DEEPEST: u32 = 512;
 const FARTHEST: f64 = 1e7;
 /// Curves whose keys are looked at for a rate.
 const CURVES_LOOKED_AT: usize = 200;
+/// Sentences.
+const MOST_NOTES: usize = 20;
 /// Hz, that a file's settings may say.
 const RATES: std::ops::RangeInclusive<f64> = 10.0..=1000.0;
 
@@ -72,10 +74,7 @@ impl Fbx {
         let nodes = self.nodes();
         let clip = self.clip(file, index, options.fps)?;
         let scene: &Scene = &self.scene;
-        let local = |frame: usize, node: usize| {
-            let node = &scene.nodes[node];
-            trs(&ufbx::evaluate_transform(&scene.anim_stacks[index].anim, node, clip.start + frame as f64 / clip.fps))
-        };
+        let local = |frame: usize, node: usize| self.local(index, node, clip.start + frame as f64 / clip.fps);
         let recording = Recording {
             names: nodes.names,
             parents: nodes.parents,
@@ -90,8 +89,12 @@ impl Fbx {
         };
         let (rig, up) = stand(file, &recording, person)?;
         let mut capture = frames::read(&clip.name, &recording, &rig, up);
-        let warnings = scene.metadata.warnings.into_iter().take(4);
-        capture.notes.extend(warnings.map(|warning| format!("FBX: {}", &*warning.description)));
+        for warning in &scene.metadata.warnings {
+            let note = format!("FBX: {}", &*warning.description);
+            if capture.notes.len() < MOST_NOTES && !capture.notes.contains(&note) {
+                capture.notes.push(note);
+            }
+        }
         Ok(Reading { capture, rig, start: clip.start, frame_up: up })
     }
 }
@@ -102,8 +105,6 @@ pub(super) struct Nodes {
     pub parents: Vec<Option<usize>>,
     pub order: Vec<usize>,
     pub zero: Vec<Trs>,
-    /// As the file has them, unanimated.
-    pub locals: Vec<Trs>,
 }
 
 /// When a clip plays and how finely.
@@ -115,8 +116,9 @@ pub(super) struct ClipTimes {
 }
 
 impl Fbx {
-    pub(super) fn scene(&self) -> &Scene {
-        &self.scene
+    /// A node's local transform in a clip at a time, s.
+    pub(super) fn local(&self, clip: usize, node: usize, time: f64) -> Trs {
+        trs(&ufbx::evaluate_transform(&self.scene.anim_stacks[clip].anim, &self.scene.nodes[node], time))
     }
 
     pub(super) fn nodes(&self) -> Nodes {
@@ -167,7 +169,7 @@ impl Fbx {
             placed[node] = above * zero[node].affine();
         }
         let names = scene.nodes.into_iter().map(|node| node.element.name.to_string()).collect();
-        Nodes { names, parents, order, zero, locals }
+        Nodes { names, parents, order, zero }
     }
 
     pub(super) fn clip(&self, file: &str, index: usize, wanted_fps: Option<f64>) -> Result<ClipTimes, MocapError> {
@@ -222,7 +224,7 @@ fn said(error: &ufbx::Error) -> String {
 }
 
 /// Up, as the settings say.
-pub(super) fn axis(axis: CoordinateAxis) -> Option<DVec3> {
+fn axis(axis: CoordinateAxis) -> Option<DVec3> {
     Some(match axis {
         CoordinateAxis::PositiveX => DVec3::X,
         CoordinateAxis::NegativeX => DVec3::NEG_X,
@@ -235,7 +237,7 @@ pub(super) fn axis(axis: CoordinateAxis) -> Option<DVec3> {
 }
 
 /// A transform of ufbx; what is no number stands still.
-pub(super) fn trs(transform: &ufbx::Transform) -> Trs {
+fn trs(transform: &ufbx::Transform) -> Trs {
     let vector = |v: &ufbx::Vec3, other: DVec3| {
         let vector = DVec3::new(v.x, v.y, v.z);
         if vector.abs().max_element() < FARTHEST { vector } else { other }

@@ -5,8 +5,10 @@
 //! The extension says what a file is; the content is asked whether that is true.
 
 pub mod bvh;
+pub mod bvh_write;
 pub mod error;
 pub mod fbx;
+mod fbx_glb;
 pub mod frames;
 pub mod gltf;
 mod kind;
@@ -145,6 +147,14 @@ impl ClipFile {
     /// The parsed BVH, if it is one.
     pub fn bvh(&self) -> Option<&Bvh> {
         if let Source::Bvh(bvh) = &self.source { Some(bvh) } else { None }
+    }
+
+    /// An FBX as a GLB document, metres and Y up: its nodes under their names at the rest pose that was found, and for every clip an
+    /// animation at the same index, frame 0 at 0 s. `None` for other kinds.
+    pub fn fbx_to_glb(&self, options: &Options) -> Option<Result<Vec<u8>, MocapError>> {
+        let Source::Fbx(fbx) = &self.source else { return None };
+        let said = Said { overrides: self.overrides.as_deref(), up: options.up, unit: options.unit };
+        Some(fbx_glb::write(fbx, &self.file, &said, options))
     }
 
     /// The glTF document, if it is one.

@@ -63,10 +63,8 @@ pub fn of_keys<'a>(tracks: impl Iterator<Item = &'a [f32]>, start: f64) -> Optio
         return Some(of_frame_time(own.recip()));
     }
     let closest = gaps[gaps.len() / 20];
-    let mut known = KNOWN.to_vec();
-    known.sort_by(f64::total_cmp);
-    // 30 before 24: a grid of 6 Hz lies on both.
-    let ordered = std::iter::once(DEFAULT).chain(known);
+    // 30 before 24: a grid of 6 Hz lies on both. Whole rates before NTSC's: a second of keys tells 24 from 23.976 no more.
+    let ordered = std::iter::once(DEFAULT).chain(KNOWN);
     ordered.filter(|rate| *rate * closest > 0.9 && *rate >= SLOWEST).find(|rate| fits(*rate))
 }
 

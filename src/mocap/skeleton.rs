@@ -21,6 +21,8 @@ const LEVEL: f64 = 0.03;
 /// Body against the up axis, and a leg's straightness (thigh along shank), from which a pose stands.
 const STANDS: (f64, f64) = (0.9, 0.8);
 
+/// Cosine from which a leg hangs down, and is straight: 15 degrees.
+const HANGS: f64 = 0.966;
 /// Of the body's own up along the up axis that a file names, from which the file is believed.
 const BELIEVED: f64 = 0.2;
 
@@ -134,8 +136,34 @@ fn find(file: &str, recording: &Recording, looked_at: &[usize], said: &Said) -> 
         let best = (0..tracks.len()).max_by(|a, b| score(&tracks[*a]).total_cmp(&score(&tracks[*b])).then(b.cmp(a)));
         (pose(looked_at[best.unwrap_or(0)]), up)
     };
+    straighten_legs(recording, &bones, rest_up, &mut rest);
     level_feet(recording, &bones, &tracks, up, rest_up, &mut rest);
     Ok((stand(&rest)?, up))
+}
+
+/// Lets both legs of the rest pose hang straight down where one of them does not: a stride is no pose to measure a foot's height in.
+fn straighten_legs(recording: &Recording, bones: &BTreeMap<Role, usize>, up: DVec3, rest: &mut [Trs]) {
+    use Role::{LeftFoot, LeftLowerLeg, LeftUpperLeg, RightFoot, RightLowerLeg, RightUpperLeg};
+    let legs = [[LeftUpperLeg, LeftLowerLeg, LeftFoot], [RightUpperLeg, RightLowerLeg, RightFoot]];
+    let legs = legs.map(|leg| leg.map(|role| bones.get(&role).copied()));
+    let [Some(left), Some(right)] = legs.map(|[hip, knee, foot]| Some([hip?, knee?, foot?])) else { return };
+    let along = |globals: &[DAffine3], from: usize, to: usize| {
+        (globals[to].translation - globals[from].translation).normalize_or(-up)
+    };
+    let before = globals(recording, rest);
+    let hangs = |[hip, knee, foot]: [usize; 3]| {
+        let bend = along(&before, hip, knee).dot(along(&before, knee, foot));
+        along(&before, hip, foot).dot(-up) > HANGS && bend > HANGS
+    };
+    if hangs(left) && hangs(right) {
+        return;
+    }
+    for (bone, next) in [left, right].into_iter().flat_map(|[hip, knee, foot]| [(hip, knee), (knee, foot)]) {
+        let globals = globals(recording, rest);
+        let turn = shortest_arc(along(&globals, bone, next), -up);
+        let above = recording.parents[bone].map_or(DQuat::IDENTITY, |parent| decompose(&globals[parent]).rotation);
+        rest[bone].rotation = (above.inverse() * turn * decompose(&globals[bone]).rotation).normalize();
+    }
 }
 
 /// Turns the rest pose's feet and toes so that what lies level in stance lies level there.

@@ -15,7 +15,7 @@ const PERSON: (std::ops::RangeInclusive<f64>, std::ops::RangeInclusive<f64>) = (
 /// m: an ordinary leg.
 const LEG: f64 = 0.83;
 /// Units in the wild, metres each, and how much less likely than the first (in the logarithm of a leg).
-const UNITS: [(f64, f64); 9] = [
+const UNITS: [(f64, f64); 10] = [
     (1.0, 0.0),
     (0.01, 0.0),
     (0.001, 0.05),
@@ -24,6 +24,7 @@ const UNITS: [(f64, f64); 9] = [
     (0.0254, 0.25),
     (0.3048, 0.3),
     (1.0 / 25.4, 0.3), // metres taken for inches and made millimetres of
+    (1e-4, 0.3),       // centimetres a hundredfold: an armature's scale applied twice
     (10.0, 0.4),
 ];
 
