@@ -8,7 +8,7 @@ use super::track::Track;
 use super::{Domain, Mark};
 use crate::maths::hull::{convex_hull, signed_distance};
 use crate::measure::dynamics::dynamics;
-use crate::measure::{GRAVITY, Motion};
+use crate::measure::{GRAVITY, KnownPush, Motion, PushPoint};
 use crate::model::findings::Rule;
 use crate::model::{BodyPose, Side};
 use glam::DVec2;
@@ -46,7 +46,17 @@ pub fn balance(track: &Track, feet: &Footfalls) -> Vec<Option<Balance>> {
         .collect();
     let motion = Motion { body: &capture.body, hz: capture.fps, per_frame: 1, poses: &poses };
     let Some(measured) = crate::measure::Track::new(motion) else { return vec![None; track.len()] };
-    let found = dynamics(&measured, &[]);
+    let known: Vec<KnownPush> = capture
+        .pushes
+        .iter()
+        .map(|push| KnownPush {
+            start: push.start,
+            end: push.end,
+            force: push.force,
+            at: push.joint.map_or(PushPoint::Centre, PushPoint::Joint),
+        })
+        .collect();
+    let found = dynamics(&measured, &known);
     let edge = (EDGE * capture.fps * track.tempo()).round() as usize;
     let weight = capture.body.mass * GRAVITY;
     (0..track.len())
