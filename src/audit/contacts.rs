@@ -9,7 +9,7 @@ use crate::model::Side;
 use glam::{DMat3, DVec2, DVec3};
 
 /// m/s at a leg of 0.83 m: a sole's stillest point slower than this is on the ground; faster than the second, it has left.
-const SPEED: (f64, f64) = (0.45, 0.65);
+const SPEED: (f64, f64) = (0.45, 0.9);
 /// m/s: feet slower than this tell where the floor is.
 const SLOW: f64 = 0.25;
 /// m: a still foot may be that far over the floor and bear: lifted clips, steps of a stair.
@@ -91,11 +91,16 @@ pub struct Footfalls {
 
 /// Finds it all.
 pub fn footfalls(track: &Track) -> Footfalls {
-    let mut floor = floors(track);
+    footfalls_on(track, None)
+}
+
+/// Finds it all on a floor that a person names, m, instead of the one that the feet show.
+pub fn footfalls_on(track: &Track, told: Option<f64>) -> Footfalls {
+    let mut floor = told.map_or_else(|| floors(track), |told| [told; 2]);
     let mut contacts: Vec<Contact> =
         Side::BOTH.into_iter().flat_map(|side| contacts_of(track, side, floor[side as usize])).collect();
     contacts.sort_by_key(|contact| (contact.start, contact.side as usize));
-    let (slope, rise) = tilt(&contacts, &floor, track.size());
+    let (slope, rise) = if told.is_some() { (DVec2::ZERO, 0.0) } else { tilt(&contacts, &floor, track.size()) };
     floor = floor.map(|floor| floor + rise);
     let mut ground = Ground { floor, slope, uneven: false };
     ground.uneven = uneven(&contacts, &ground, track.size());
