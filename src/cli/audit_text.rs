@@ -23,10 +23,12 @@ pub fn clip(clip: &Audited) -> String {
     let standing = waived.standing();
     let accepted = waived.flags.len() + waived.clip_flags.len() - standing;
     let accepted = if accepted > 0 { format!(", {accepted} waived") } else { String::new() };
+    let unjudged = 100.0 * unjudged(findings);
+    let unjudged = if unjudged > 0.0 { format!("; {unjudged:.0} % of the frames not judged") } else { String::new() };
     text.push_str(&match standing {
-        0 => format!("verdict    no flags{accepted}\n"),
-        1 => format!("verdict    1 flag, {:.1} % of the frames{accepted}\n", 100.0 * share(clip)),
-        many => format!("verdict    {many} flags, {:.1} % of the frames{accepted}\n", 100.0 * share(clip)),
+        0 => format!("verdict    no flags{accepted}{unjudged}\n"),
+        1 => format!("verdict    1 flag, {:.1} % of the frames{accepted}{unjudged}\n", 100.0 * share(clip)),
+        many => format!("verdict    {many} flags, {:.1} % of the frames{accepted}{unjudged}\n", 100.0 * share(clip)),
     });
     for (flag, reason) in findings.clip_flags.iter().zip(&waived.clip_flags) {
         let reason = reason.as_ref().map(|reason| format!("  [waived: {reason}]")).unwrap_or_default();
@@ -121,10 +123,20 @@ pub fn plain(text: &str) -> String {
 
 /// Share of the frames that a standing flag covers; clip flags apart.
 pub fn share(clip: &Audited) -> f64 {
-    let mut covered = vec![false; clip.findings.frames];
-    for (flag, reason) in clip.findings.flags.iter().zip(&clip.waived.flags) {
-        let end = (flag.end + 1).min(covered.len());
-        if let Some(span) = covered.get_mut(flag.start..end).filter(|_| reason.is_none()) {
+    let flags = clip.findings.flags.iter().zip(&clip.waived.flags);
+    covered(&clip.findings, flags.filter(|(_, reason)| reason.is_none()).map(|(flag, _)| (flag.start, flag.end)))
+}
+
+/// Share of the frames of which nothing is said.
+fn unjudged(findings: &Findings) -> f64 {
+    covered(findings, findings.abstained.iter().map(|span| (span.start, span.end)))
+}
+
+fn covered(findings: &Findings, spans: impl Iterator<Item = (usize, usize)>) -> f64 {
+    let mut covered = vec![false; findings.frames];
+    for (start, end) in spans {
+        let end = (end + 1).min(covered.len());
+        if let Some(span) = covered.get_mut(start..end) {
             span.fill(true);
         }
     }

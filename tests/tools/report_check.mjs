@@ -63,6 +63,7 @@ async function use(tab, problems) {
   for (const id of views) must((await seen(tab, id)).sum !== before[id].sum, `the ${id} does not follow the playhead`);
   await tab.locator('#scrub').evaluate((scrub) => { scrub.value = 7; scrub.dispatchEvent(new Event('input')); });
   must((await frame()) === 7, 'the slider does not scrub');
+  await tab.locator('#timeline').scrollIntoViewIfNeeded();
   const box = await tab.locator('#timeline').boundingBox();
   await tab.mouse.move(box.x + 160, box.y + 12);
   await tab.mouse.down();
@@ -70,6 +71,7 @@ async function use(tab, problems) {
   await tab.mouse.up();
   must(Math.abs((await frame()) - (frames - 1) / 2) <= 1.5, `dragging over the timeline leads to ${await frame()} of ${frames}`);
   const still = await seen(tab, 'stage');
+  await tab.locator('#stage').scrollIntoViewIfNeeded();
   const stage = await tab.locator('#stage').boundingBox();
   await tab.mouse.move(stage.x + 200, stage.y + 150);
   await tab.mouse.down();

@@ -98,9 +98,9 @@ function tellingFrame(clip, flag) {
   return best;
 }
 
-// Share of the frames under a standing flag.
-function flaggedShare(clip) {
-  const spans = clip.flags.filter((flag) => flag.waived === undefined).map((flag) => [flag.start, flag.end]).sort((a, b) => a[0] - b[0]);
+// Share of the frames that spans cover, both ends of each included.
+function shareOf(clip, list) {
+  const spans = list.map((span) => [span.start, span.end]).sort((a, b) => a[0] - b[0]);
   let frames = 0, upTo = -1;
   for (const [start, end] of spans) {
     frames += Math.max(0, end - Math.max(start - 1, upTo));
@@ -109,6 +109,7 @@ function flaggedShare(clip) {
   return frames / Math.max(1, clip.frames);
 }
 
+const flaggedShare = (clip) => shareOf(clip, clip.flags.filter((flag) => flag.waived === undefined));
 const standing = (clip) => [...clip.flags, ...clip.clipFlags].filter((flag) => flag.waived === undefined);
 const centimetres = (metres) => (metres ? (metres * 100).toFixed(1) + ' cm' : '');
 const seconds = (clip, frame) => (frame / clip.fps).toFixed(2) + ' s';

@@ -32,9 +32,9 @@ function showHeader(clip) {
   byId('name').textContent = clip.name;
   document.title = clip.name + ' - Surefoot audit';
   const count = standing(clip).length, waived = clip.flags.length + clip.clipFlags.length - count;
-  const silent = !clip.steps.length && clip.abstained.length > 0;
+  const unjudged = shareOf(clip, clip.abstained), silent = unjudged > 0.95;
   const verdict = byId('verdict');
-  verdict.textContent = (count === 0 ? 'no flags' : count === 1 ? '1 flag' : count + ' flags') + (waived ? `, ${waived} waived` : '');
+  verdict.textContent = (count === 0 ? (silent ? 'not judged' : 'no flags') : count === 1 ? '1 flag' : count + ' flags') + (waived ? `, ${waived} waived` : '');
   verdict.className = 'verdict' + (count ? ' bad' : silent ? ' wait' : '');
   const fact = (name, content) => element('span', {}, name + ' ', element('b', {}, content));
   const errors = clip.steps.map((step) => step.error_m).sort((a, b) => a - b);
@@ -42,6 +42,7 @@ function showHeader(clip) {
     fact('', `${(clip.frames / clip.fps).toFixed(2)} s`), fact('', `${clip.frames} frames`), fact('at', `${+clip.fps.toFixed(3)} fps`),
     fact('flagged', `${(100 * flaggedShare(clip)).toFixed(1)} %`),
   ];
+  if (unjudged) facts.push(fact('not judged', `${(100 * unjudged).toFixed(0)} %`));
   if (errors.length) facts.push(fact('step error', centimetres((errors[(errors.length - 1) >> 1] + errors[errors.length >> 1]) / 2)));
   facts.push(fact('unit', `${+clip.unit.toPrecision(4)} m`), fact('up', clip.up), fact('confidence', clip.confidence.toFixed(2)));
   byId('facts').replaceChildren(...facts);
@@ -66,7 +67,7 @@ function showFlags(clip, seek) {
   }
   const table = byId('flags');
   if (rows.length) fill(table, ['rule', 'frames', 'time', 'foot', { number: 'off by' }, 'severity', { text: 'why' }], rows);
-  else table.replaceChildren(element('caption', { class: 'none' }, 'No flags: nothing in this clip contradicts a balanced person.'));
+  else table.replaceChildren(element('caption', { class: 'none' }, shareOf(clip, clip.abstained) > 0.95 ? 'Not judged: see below why.' : 'No flags: nothing that was judged contradicts a balanced person.'));
 }
 
 // The flags under the playhead stand out in the list.
@@ -123,7 +124,7 @@ function showThumbs(clip, seek) {
 function drawThumb(canvas, clip, frame, flag) {
   const { context, width, height } = canvasOf(canvas);
   const side = flag.foot === 'right' ? -1 : 1;
-  const camera = new Camera(facing(clip, frame) + side * 1.05, 0.2, 3.9 * clip.size);
+  const camera = new Camera(facing(clip, frame) + side * 1.05, 0.2, 2.95 * clip.size);
   Object.assign(camera, { width, height, target: [value(clip, 'com_x', frame), clip.floor + 0.47 * clip.height, value(clip, 'com_z', frame)] });
   drawScene(context, camera, clip, frame, true, flag);
 }
@@ -135,7 +136,7 @@ function showIndex(current, open) {
   const bad = clips.filter((clip) => standing(clip).length).length;
   byId('index-hint').textContent = `${clips.length} clips, ${bad} with flags`;
   const rules = RULES.filter((rule) => clips.some((clip) => standing(clip).some((flag) => flag.rule === rule)));
-  fill(byId('index'), [{ text: 'clip' }, { number: 'seconds' }, ...rules.map((rule) => ({ number: rule })), { number: 'frames' }, { number: 'confidence' }, 'worst'],
+  fill(byId('index'), [{ text: 'clip' }, { number: 'seconds' }, ...rules.map((rule) => ({ number: rule })), { number: 'flagged' }, { number: 'confidence' }, 'worst'],
     clips.map((clip, index) => {
       const flags = standing(clip), worst = worstFirst(clip).find(({ flag }) => flag.waived === undefined)?.flag;
       const count = (rule) => flags.filter((flag) => flag.rule === rule).length;

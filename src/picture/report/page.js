@@ -35,7 +35,7 @@ function look(view) {
   const way = [value(clip, 'com_x', clip.last) - value(clip, 'com_x', 0), value(clip, 'com_z', clip.last) - value(clip, 'com_z', 0)];
   const ahead = view === 'start' && Math.hypot(way[0], way[1]) > 0.7 ? Math.atan2(way[0], way[1]) : facing(clip, frame);
   const [yaw, pitch] = { start: [ahead + 0.95, 0.2], front: [ahead, 0.08], side: [ahead + Math.PI / 2, 0.08], back: [ahead + Math.PI, 0.08], top: [ahead + Math.PI, 1.5] }[view];
-  Object.assign(camera, { yaw, pitch, distance: 3.5 * clip.size });
+  Object.assign(camera, { yaw, pitch, distance: 3.3 * clip.size });
   draw();
 }
 
@@ -97,6 +97,8 @@ function wire() {
   byId('previous-flag').onclick = () => toFlag(-1);
   byId('next-flag').onclick = () => toFlag(1);
   byId('scrub').oninput = (event) => { play(false); seek(Number(event.target.value)); };
+  byId('top-follow').onclick = () => topView.whole(false);
+  byId('top-all').onclick = () => topView.whole(true);
   byId('clips').onchange = (event) => open(Number(event.target.value));
   for (const button of document.querySelectorAll('[data-view]')) button.onclick = () => look(button.dataset.view);
   window.addEventListener('keydown', (event) => {

@@ -31,7 +31,7 @@ function thickness(role) {
   if (/UpperArm$/.test(role)) return 0.08;
   if (/LowerArm$/.test(role)) return 0.075;
   if (/Hand$/.test(role)) return 0.06;
-  if (/^(spine|chest|upperChest)$/.test(role)) return 0.17;
+  if (/^(spine|chest|upperChest)$/.test(role)) return 0.15;
   return 0.075;
 }
 
@@ -191,11 +191,24 @@ function drawBody(context, camera, clip, points, flags) {
     const low = [0, 1, 2].map((axis) => head[axis] + (top[axis] - head[axis]) * 0.38), high = [0, 1, 2].map((axis) => head[axis] + (top[axis] - head[axis]) * 0.66);
     capsule(low, high, 0.155, colours.head, false);
   }
+  // The trunk between shoulders and hips, so that it has breadth from the front.
+  const corners = ['leftUpperArm', 'rightUpperArm', 'rightUpperLeg', 'leftUpperLeg'].map((role) => points[clip.role[role]]);
+  if (corners.every(Boolean)) {
+    const drawn = corners.map((corner, index) => camera.project(index < 2 ? corner.map((x, axis) => x + (corners[3 - index][axis] - x) * 0.1) : corner));
+    if (drawn.every((corner) => corner[3] > 0.1)) {
+      const depth = drawn.reduce((sum, corner) => sum + corner[3], 0) / 4;
+      pieces.push({ depth: depth + 0.02, polygon: drawn, width: 0.1 * size * drawn[0][2], colour: colours.trunk });
+    }
+  }
   pieces.sort((a, b) => b.depth - a.depth);
   const nearest = pieces.length ? pieces[pieces.length - 1].depth : 1;
   context.lineCap = 'round';
   for (const piece of pieces) {
     const haze = Math.min(0.35, Math.max(0, (piece.depth - nearest) * 0.35));
+    if (piece.polygon) {
+      drawTrunk(context, piece, mixed(piece.colour, colours['stage-far'], haze));
+      continue;
+    }
     const line = (width, colour, shift) => {
       context.strokeStyle = colour;
       context.lineWidth = width;
@@ -213,6 +226,19 @@ function drawBody(context, camera, clip, points, flags) {
     line(piece.width, mixed(colour, '#000', 0.32), 0);
     line(piece.width * 0.82, colour, 0);
     line(piece.width * 0.34, mixed(colour, '#fff', 0.3), -piece.width * 0.14);
+  }
+}
+
+function drawTrunk(context, piece, colour) {
+  context.lineJoin = 'round';
+  for (const [width, shade] of [[piece.width, mixed(colour, '#000', 0.32)], [piece.width * 0.8, colour]]) {
+    context.beginPath();
+    piece.polygon.forEach((corner, index) => { if (index) context.lineTo(corner[0], corner[1]); else context.moveTo(corner[0], corner[1]); });
+    context.closePath();
+    context.fillStyle = context.strokeStyle = shade;
+    context.lineWidth = width;
+    context.stroke();
+    context.fill();
   }
 }
 

@@ -1,7 +1,10 @@
-// Footholds from above: actual and predicted, the way of the centre of mass and of ξ. The clip's way lies from left to right.
+// Footholds from above: actual and predicted, the way of the centre of mass and of ξ. The clip's way lies from left to right. A way
+// too long to be legible as a whole is followed by the playhead, until somebody asks for all of it or moves it by hand.
+const LEGIBLE = 150; // px a metre
+
 class TopView {
   constructor(canvas, seek) {
-    Object.assign(this, { canvas, zoom: 1, pan: [0, 0], seek });
+    Object.assign(this, { canvas, zoom: 1, pan: [0, 0], seek, follow: true });
     let held = null, moved = 0;
     canvas.addEventListener('pointerdown', (event) => { held = [event.offsetX, event.offsetY]; moved = 0; canvas.setPointerCapture(event.pointerId); });
     canvas.addEventListener('pointermove', (event) => {
@@ -9,6 +12,7 @@ class TopView {
       const by = [event.offsetX - held[0], event.offsetY - held[1]];
       moved += Math.abs(by[0]) + Math.abs(by[1]);
       this.pan = [this.pan[0] + by[0], this.pan[1] + by[1]];
+      this.free = true;
       held = [event.offsetX, event.offsetY];
       this.draw(this.frame);
     });
@@ -21,11 +25,17 @@ class TopView {
       this.zoom = zoom;
       this.draw(this.frame);
     }, { passive: false });
-    canvas.addEventListener('dblclick', () => { this.zoom = 1; this.pan = [0, 0]; this.draw(this.frame); });
+    canvas.addEventListener('dblclick', () => this.whole(this.follow));
+  }
+
+  // All of the way, or legible and with the playhead.
+  whole(all) {
+    Object.assign(this, { zoom: 1, pan: [0, 0], follow: !all, free: false });
+    this.draw(this.frame);
   }
 
   show(clip) {
-    Object.assign(this, { clip, zoom: 1, pan: [0, 0] });
+    Object.assign(this, { clip, zoom: 1, pan: [0, 0], follow: true, free: false });
     const places = [];
     const step = Math.max(1, Math.floor(clip.samples / 400));
     for (let sample = 0; sample < clip.samples; sample += step) places.push([raw(clip, 'com_x', sample) / 1000, raw(clip, 'com_z', sample) / 1000]);
@@ -65,7 +75,17 @@ class TopView {
     const { context, width, height } = this.box;
     const spans = this.bounds.map(([low, high]) => Math.max(0.5, high - low));
     this.middle = this.bounds.map(([low, high]) => (low + high) / 2);
-    this.scale = Math.min(width / spans[0], height / spans[1], 420) * this.zoom;
+    const fits = Math.min(width / spans[0], height / spans[1], 420), moving = this.follow && fits < LEGIBLE;
+    this.scale = (moving ? LEGIBLE : fits) * this.zoom;
+    if (moving && !this.free) {
+      // No further than the way's ends.
+      const at = this.turned([value(clip, 'com_x', frame), value(clip, 'com_z', frame)]);
+      this.middle = at.map((place, axis) => {
+        const half = [width, height][axis] / 2 / this.scale, [low, high] = this.bounds[axis];
+        return high - low <= 2 * half ? (low + high) / 2 : Math.min(high - half, Math.max(low + half, place));
+      });
+      this.held = this.middle;
+    } else if (moving && this.held) this.middle = this.held;
     context.fillStyle = colours['stage-near'];
     context.fillRect(0, 0, width, height);
     this.ruler(context, width, height);
@@ -102,7 +122,7 @@ class TopView {
       this.path([step.predicted, step.actual]);
       context.lineWidth = bad ? 3 : 1.5;
       context.stroke();
-      if (bad) this.label(step);
+      if (bad && (this.scale > 100 || Math.abs(step.touch_down - frame) < clip.fps)) this.label(step);
     }
     disc(context, this.place([value(clip, 'xi_x', frame), value(clip, 'xi_z', frame)]), 5, colours.xi, colours.card);
     if (state(clip, 'supported', frame) > 0) disc(context, this.place([value(clip, 'zmp_x', frame), value(clip, 'zmp_z', frame)]), 4.5, colours.zmp, colours.card);
@@ -110,7 +130,8 @@ class TopView {
   }
 
   label(step) {
-    const { context } = this.box, [x, y] = this.place(step.predicted);
+    const { context } = this.box, at = this.place(step.predicted), from = this.place(step.actual);
+    const [x, y] = [at[0], at[1] < from[1] ? at[1] - 8 : at[1] + 38];
     const text = centimetres(step.error_m);
     context.font = '600 12px system-ui, sans-serif';
     const wide = context.measureText(text).width;
