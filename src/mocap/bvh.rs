@@ -8,6 +8,7 @@
 use super::MocapError;
 use crate::rig::Trs;
 use glam::{DQuat, DVec3};
+use std::borrow::Cow;
 
 /// Joints, end sites among them, that are read at most.
 const MOST_JOINTS: usize = 2_000;
@@ -15,6 +16,23 @@ const MOST_JOINTS: usize = 2_000;
 const MOST_VALUES: usize = 1 << 27;
 /// Beyond this a number is a broken file.
 const FARTHEST: f64 = 1e7;
+
+/// A file's bytes as text: UTF-8, or where they are not, every byte as the character of its number (Latin-1), so that [`encode`]
+/// gives the same bytes back.
+pub fn decode(bytes: &[u8]) -> Cow<'_, str> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Cow::Borrowed(text),
+        Err(_) => Cow::Owned(bytes.iter().copied().map(char::from).collect()),
+    }
+}
+
+/// The bytes of a text that was decoded from `original`.
+pub fn encode(text: &str, original: &[u8]) -> Vec<u8> {
+    if std::str::from_utf8(original).is_ok() {
+        return text.as_bytes().to_vec();
+    }
+    text.chars().map(|letter| u8::try_from(u32::from(letter)).unwrap_or(b'?')).collect()
+}
 
 /// A parsed file.
 #[derive(Clone, Debug)]
