@@ -6,7 +6,7 @@
 
 use super::track::{FootTrack, Track};
 use crate::model::Side;
-use glam::DVec2;
+use glam::{DMat3, DVec2, DVec3};
 
 /// m/s at a leg of 0.83 m: a sole's stillest point slower than this is on the ground; faster than the second, it has left.
 const SPEED: (f64, f64) = (0.45, 0.65);
@@ -18,14 +18,24 @@ const REACH: f64 = 0.14;
 const SHORTEST: f64 = 0.07;
 /// s.
 const GAP: f64 = 0.05;
+/// m: a foot that rises no more within a gap, and gets no farther while the other swings, or while it does not, was no swing.
+const LIFT: f64 = 0.03;
+/// m.
+const SLID: f64 = 0.3;
+/// m.
+const STAYED: f64 = 0.1;
+/// s.
+const LONGEST_GAP: f64 = 0.4;
 /// m: heights of contacts that differ by more stand on different floors.
 const SAME_FLOOR: f64 = 0.035;
 
 /// The ground as the feet show it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ground {
-    /// m: where the floor is for each foot (the sole of a mesh-less foot is a guess, so each has its own).
+    /// m: where the floor is for each foot (the sole of a mesh-less foot is a guess, so each has its own), at x = z = 0.
     pub floor: [f64; 2],
+    /// How it rises along x and z: captured floors are off level by a per cent or two.
+    pub slope: DVec2,
     /// The contacts stand at heights of their own: stairs, rocks.
     pub uneven: bool,
 }
@@ -75,11 +85,14 @@ pub struct Footfalls {
 
 /// Finds it all.
 pub fn footfalls(track: &Track) -> Footfalls {
-    let floor = floors(track);
+    let mut floor = floors(track);
     let mut contacts: Vec<Contact> =
         Side::BOTH.into_iter().flat_map(|side| contacts_of(track, side, floor[side as usize])).collect();
     contacts.sort_by_key(|contact| (contact.start, contact.side as usize));
-    let uneven = uneven(&contacts, &floor, track.size());
+    let (slope, rise) = tilt(&contacts, &floor, track.size());
+    floor = floor.map(|floor| floor + rise);
+    let mut ground = Ground { floor, slope, uneven: false };
+    ground.uneven = uneven(&contacts, &ground, track.size());
     let mut of = [vec![None; track.len()], vec![None; track.len()]];
     for (index, contact) in contacts.iter().enumerate() {
         of[contact.side as usize][contact.start..=contact.end].fill(Some(index));
@@ -90,23 +103,34 @@ pub fn footfalls(track: &Track) -> Footfalls {
         steps.extend(own.windows(2).map(|pair| Step { side, from: pair[0], to: pair[1] }));
     }
     steps.sort_by_key(|step| (contacts[step.to].start, step.side as usize));
-    Footfalls { ground: Ground { floor, uneven }, contacts, steps, of }
+    Footfalls { ground, contacts, steps, of }
+}
+
+impl Ground {
+    /// m: the floor for a foot at a place.
+    pub fn under(&self, side: Side, at: DVec2) -> f64 {
+        self.floor[side as usize] + self.slope.dot(at)
+    }
 }
 
 impl Footfalls {
-    /// m: the ground under a foot in a frame: its contact's own on uneven ground.
-    pub fn under(&self, side: Side, frame: usize) -> f64 {
+    /// m: the ground under a foot that is at a place in a frame: its contact's own on uneven ground.
+    pub fn under(&self, side: Side, frame: usize, at: DVec2) -> f64 {
         match self.of[side as usize][frame] {
             Some(index) if self.ground.uneven => self.contacts[index].height,
-            _ => self.ground.floor[side as usize],
+            _ => self.ground.under(side, at),
         }
     }
 
     /// m: the floor in a frame: the lower of the feet that bear, else of all.
-    pub fn floor_at(&self, frame: usize) -> f64 {
+    pub fn floor_at(&self, frame: usize, at: DVec2) -> f64 {
         let bearing = Side::BOTH.into_iter().filter(|side| self.of[*side as usize][frame].is_some());
-        let lowest = bearing.map(|side| self.under(side, frame)).fold(f64::MAX, f64::min);
-        if lowest < f64::MAX { lowest } else { self.ground.floor[0].min(self.ground.floor[1]) }
+        let lowest = bearing.map(|side| self.under(side, frame, at)).fold(f64::MAX, f64::min);
+        if lowest < f64::MAX {
+            lowest
+        } else {
+            self.ground.under(Side::Left, at).min(self.ground.under(Side::Right, at))
+        }
     }
 
     /// How many feet bear.
@@ -147,7 +171,7 @@ fn mode(values: &[f64], width: f64) -> f64 {
     let sorted: Vec<f64> = sorted.into_iter().step_by(step).collect();
     let (mut best, mut most) = (sorted.first().copied().unwrap_or(0.0), f64::MIN);
     let mut from = 0;
-    for (index, value) in sorted.iter().enumerate() {
+    for value in &sorted {
         while sorted[from] < value - width {
             from += 1;
         }
@@ -161,7 +185,6 @@ fn mode(values: &[f64], width: f64) -> f64 {
         if weight > most + 1e-9 {
             (best, most) = (mean / weight.max(1e-12), weight);
         }
-        let _ = index;
     }
     best
 }
@@ -194,12 +217,26 @@ fn contacts_of(track: &Track, side: Side, floor: f64) -> Vec<Contact> {
     let mut merged: Vec<(usize, usize)> = Vec::new();
     for span in spans {
         match merged.last_mut() {
-            Some(last) if span.0 - last.1 <= least(GAP) + 1 => last.1 = span.1,
+            Some(last) if span.0 - last.1 <= least(GAP) + 1 || is_no_swing(track, side, *last, span) => last.1 = span.1,
             _ => merged.push(span),
         }
     }
     merged.retain(|(start, end)| end - start + 1 >= least(SHORTEST).max(2) || *start == 0 || *end + 1 == frames);
     merged.into_iter().map(|(start, end)| contact(track, side, start, end, on)).collect()
+}
+
+/// Whether a foot bears all through the gap between two spans in which it is still: it is lifted with the whole body, or slides. It
+/// stays low, gets nowhere near a step's length, and the other foot is on its way meanwhile, or the gap is too short for a swing.
+fn is_no_swing(track: &Track, side: Side, before: (usize, usize), after: (usize, usize)) -> bool {
+    let foot = &track.feet[side as usize];
+    let other = &track.feet[1 - side as usize];
+    let (from, to) = (before.1, after.0);
+    let seconds = (to - from) as f64 / track.capture.fps / track.tempo();
+    let travel = foot.place(from).distance(foot.place(to)) / track.size();
+    let level = foot.low[from].max(foot.low[to]);
+    let rise = foot.low[from..=to].iter().map(|low| low - level).fold(0.0, f64::max) / track.size();
+    let swings = (from..=to).any(|frame| other.still[frame] > 1.2 * track.tempo());
+    rise < LIFT && seconds < LONGEST_GAP && if swings { travel < SLID } else { travel < STAYED }
 }
 
 fn contact(track: &Track, side: Side, start: usize, end: usize, on: f64) -> Contact {
@@ -230,8 +267,43 @@ fn contact(track: &Track, side: Side, start: usize, end: usize, on: f64) -> Cont
     Contact { side, start, end, touch_down, height: lows[lows.len() / 2], place, cut: (start == 0, end == last) }
 }
 
+/// The slope of the plane through the contacts, and its height at the origin over the level floor: least absolute errors, so that a span
+/// that was lifted does not tilt it, drawn to level by a prior of 0.7 per cent.
+fn tilt(contacts: &[Contact], floor: &[f64; 2], size: f64) -> (DVec2, f64) {
+    const ERROR: f64 = 0.01;
+    const PRIOR: f64 = 0.007;
+    let points: Vec<(DVec2, f64)> =
+        contacts.iter().map(|contact| (contact.place, contact.height - floor[contact.side as usize])).collect();
+    if points.len() < 4 {
+        return (DVec2::ZERO, 0.0);
+    }
+    let middle = points.iter().map(|point| point.0).sum::<DVec2>() / points.len() as f64;
+    let mut plane = DVec3::ZERO; // slope along x, along z, height at the middle
+    let miss = |plane: DVec3, point: &(DVec2, f64)| {
+        let at = point.0 - middle;
+        point.1 - plane.dot(DVec3::new(at.x, at.y, 1.0))
+    };
+    for _ in 0..40 {
+        let (mut matrix, mut right) = (DMat3::from_diagonal(DVec3::new(1.0, 1.0, 1e-6) / (PRIOR * PRIOR)), DVec3::ZERO);
+        for point in &points {
+            let at = point.0 - middle;
+            let row = DVec3::new(at.x, at.y, 1.0);
+            let weight = 0.5 / (ERROR * size * miss(plane, point).abs().max(0.003 * size));
+            matrix += DMat3::from_cols(row * row.x, row * row.y, row * row.z) * weight;
+            right += row * (weight * point.1);
+        }
+        plane = matrix.inverse() * right;
+    }
+    let slope = DVec2::new(plane.x, plane.y);
+    if !plane.is_finite() || slope.length() > 0.04 {
+        return (DVec2::ZERO, 0.0);
+    }
+    (slope, plane.z - slope.dot(middle))
+}
+
 /// Whether a third of the contacts stand off the floor by more than a sole's error.
-fn uneven(contacts: &[Contact], floor: &[f64; 2], size: f64) -> bool {
-    let off = |contact: &&Contact| (contact.height - floor[contact.side as usize]).abs() > SAME_FLOOR * size;
+fn uneven(contacts: &[Contact], ground: &Ground, size: f64) -> bool {
+    let off =
+        |contact: &&Contact| (contact.height - ground.under(contact.side, contact.place)).abs() > SAME_FLOOR * size;
     contacts.len() >= 4 && contacts.iter().filter(off).count() * 3 > contacts.len()
 }

@@ -1,13 +1,23 @@
 //! A clip's motion to findings: which frames no balanced person could have produced.
 //!
-//! The way of a clip: capture -> [`track`] (centre of mass, feet) -> [`contacts`] (floor, contacts, steps) -> the rules, each a file of its
-//! own -> [`Findings`]. Clip space, SI.
+//! The way of a clip: capture -> [`track`] (centre of mass, feet) -> [`contacts`] (floor, contacts, steps) -> [`domain`] (where the
+//! pendulum applies) -> the rules, each a file of its own, that leave marks -> [`Findings`]. Clip space, SI; limits are for a leg of 0.83 m
+//! and scale with the body.
 
+pub mod balance;
 pub mod contacts;
+pub mod domain;
+pub mod flight;
 pub mod placement;
+pub mod sole;
+pub mod timing;
 pub mod track;
+mod verdict;
 
-use crate::model::findings::{Abstained, ClipFlag, Findings, Flag, FootContact, Rule, StepVerdict};
+pub use domain::Domain;
+pub use verdict::foot_name;
+
+use crate::model::findings::{Findings, Flag, Rule};
 use crate::model::{Capture, Side};
 use contacts::footfalls;
 use track::Track;
@@ -21,75 +31,87 @@ pub struct AuditOptions {
     pub without: Vec<Rule>,
 }
 
-/// m: a foothold that is off by more is flagged, forward and sideways, at a leg of 0.83 m.
-const PLACED: (f64, f64) = (0.13, 0.10);
-
 /// Judges a clip.
 pub fn audit(capture: &Capture, options: &AuditOptions) -> Findings {
-    let mut findings = Findings {
-        version: 1,
-        clip: capture.name.clone(),
-        fps: capture.fps,
-        frames: capture.frames(),
-        units_to_metres: capture.units_to_metres,
-        up: capture.up.clone(),
-        confidence: capture.confidence,
-        flags: Vec::new(),
-        clip_flags: Vec::<ClipFlag>::new(),
-        contacts: Vec::new(),
-        steps: Vec::new(),
-        abstained: Vec::<Abstained>::new(),
-        notes: capture.notes.clone(),
-    };
+    let mut findings = verdict::empty(capture);
     if capture.frames() == 0 {
         return findings;
     }
-    let _ = options;
-    let track = Track::new(capture);
+    let (held, posed) = track::without_pose(capture);
+    let track = Track::new(held.as_ref().unwrap_or(capture));
     let feet = footfalls(&track);
-    let taken = placement::taken(&track, &feet);
-    for judged in placement::judge(&track, &feet, &taken) {
-        let landing = &feet.contacts[judged.taken.step.to];
-        findings.steps.push(StepVerdict {
-            foot: foot_name(landing.side),
-            touch_down: landing.start,
-            lift_off: feet.contacts[judged.taken.step.from].end,
-            predicted: judged.predicted.to_array(),
-            actual: landing.place.to_array(),
-            error_m: judged.error.length(),
-            error_forward_m: judged.error.x,
-            error_sideways_m: judged.error.y,
-        });
-        let (along, out) = (judged.error.x / track.size(), judged.error.y / track.size());
-        let worst = (along.abs() / PLACED.0).max(out.abs() / PLACED.1);
-        if worst > 1.0 {
-            findings.flags.push(Flag {
-                start: landing.start,
-                end: landing.end,
-                rule: Rule::FootPlacement,
-                foot: Some(foot_name(landing.side)),
-                severity: (1.0 - 1.0 / worst).clamp(0.0, 1.0),
-                measured: (judged.taken.step.to as f64) * 0.0 + judged.error.length(),
-                predicted: 0.0,
-                delta_m: judged.error.length(),
-                why: format!("{:.2} {:.2}", judged.error.x, judged.error.y),
-            });
-        }
-    }
-    findings.contacts = feet
-        .contacts
-        .iter()
-        .map(|contact| FootContact {
-            foot: foot_name(contact.side),
-            part: "flat",
-            start: contact.start,
-            end: contact.end,
-        })
+    let mut domain = domain::domain(&track, &feet);
+    domain.begin_after(posed);
+    let taken: Vec<_> = placement::taken(&track, &feet)
+        .into_iter()
+        .filter(|taken| domain.walks_in(feet.contacts[taken.step.from].end, feet.contacts[taken.step.to].start))
         .collect();
+    let judged = placement::judge(&track, &taken);
+    let balance = balance::balance(&track, &feet);
+    let mut marks = placement::marks(&feet, &judged);
+    marks.extend(sole::marks(&track, &feet));
+    marks.extend(balance::marks(&track, &balance, &domain));
+    marks.extend(flight::marks(&track, &feet));
+    marks.retain(|mark| !options.without.contains(&mark.rule));
+    marks.sort_by_key(|mark| (mark.start, mark.end, mark.rule));
+    findings.flags = marks.iter().map(Mark::flag).collect();
+    let clock = timing::clock(&track, &feet, &domain);
+    findings.clip_flags.extend(clock.and_then(timing::mark).filter(|_| !options.without.contains(&Rule::Timing)));
+    findings.steps = judged.iter().map(|judged| verdict::step(&feet, judged)).collect();
+    findings.contacts = verdict::contacts(&track, &feet);
+    findings.abstained = domain.abstained();
+    findings.confidence *= verdict::trust(&feet, &domain);
     findings
 }
 
-/// "left", "right".
-pub fn foot_name(side: Side) -> &'static str {
-    if side == Side::Left { "left" } else { "right" }
+/// A flag in the making.
+#[derive(Clone, Debug)]
+pub struct Mark {
+    /// First frame.
+    pub start: usize,
+    /// Last frame.
+    pub end: usize,
+    /// Which rule.
+    pub rule: Rule,
+    /// Of one foot.
+    pub side: Option<Side>,
+    /// As in [`Flag`].
+    pub measured: f64,
+    /// As in [`Flag`].
+    pub predicted: f64,
+    /// m, by how much.
+    pub delta: f64,
+    /// m, from where on it is told.
+    pub limit: f64,
+    /// A sentence.
+    pub why: String,
+}
+
+impl Mark {
+    fn flag(&self) -> Flag {
+        Flag {
+            start: self.start,
+            end: self.end,
+            rule: self.rule,
+            foot: self.side.map(foot_name),
+            // Half at the limit, nearing 1 the farther it is.
+            severity: (1.0 - 0.5 * self.limit / self.delta.max(self.limit)).clamp(0.0, 1.0),
+            measured: self.measured,
+            predicted: self.predicted,
+            delta_m: self.delta,
+            why: self.why.clone(),
+        }
+    }
+}
+
+/// Spans of frames, first and last, in which something holds.
+pub fn spans(frames: usize, holds: impl Fn(usize) -> bool) -> Vec<(usize, usize)> {
+    let mut spans: Vec<(usize, usize)> = Vec::new();
+    for frame in (0..frames).filter(|frame| holds(*frame)) {
+        match spans.last_mut() {
+            Some(last) if last.1 + 1 == frame => last.1 = frame,
+            _ => spans.push((frame, frame)),
+        }
+    }
+    spans
 }

@@ -8,17 +8,28 @@
 
 use super::contacts::{Contact, Footfalls, Step};
 use super::track::Track;
+use super::{Mark, foot_name};
 use crate::maths::pendulum;
 use crate::maths::quat::wrap_angle;
 use crate::model::Side;
+use crate::model::findings::Rule;
 use glam::DVec2;
 
 /// m a (m/s · rad/s), at a leg of 0.83 m: how far a curve moves the support inwards.
 const CURVE: f64 = 0.043;
 /// m, forward and sideways: what is left of a step's offset in people, mean over captured walks, at a leg of 0.83 m.
-const POPULATION: DVec2 = DVec2::new(0.0, 0.0);
-/// Steps that the population counts as.
-const PRIOR: f64 = 1.0;
+const POPULATION: DVec2 = DVec2::new(0.025, 0.035);
+/// Steps that the population counts as, forward and sideways: a clip's steps scatter by 0.025 and 0.02 m, clips by 0.054 and 0.028.
+const PRIOR: DVec2 = DVec2::new(0.25, 0.5);
+/// m: a foothold that is off by more is flagged, forward and sideways, at a leg of 0.83 m, where many steps tell the walker's own.
+const PLACED: DVec2 = DVec2::new(0.125, 0.1);
+/// m at a leg of 0.83 m: a clip whose steps scatter by more (a standard deviation, by their median error) dances or fights; there a step
+/// must be off by so many of them.
+const IRREGULAR: f64 = 0.05;
+/// See [`IRREGULAR`].
+const SCATTER: f64 = 4.0;
+/// s at a leg of 0.83 m: a step comes no later after the other foot's; later ones end a stand, and no walker's offset tells of them.
+const WALKING: f64 = 1.1;
 /// m/s: below that speed the way is where the pelvis looks.
 const WALKS: f64 = 0.3;
 
@@ -58,6 +69,8 @@ pub struct Judged {
     pub predicted: DVec2,
     /// m, (along, out): the actual foothold less that.
     pub error: DVec2,
+    /// m, (along, out): errors that are told, wider the fewer steps tell the walker's own.
+    pub limit: DVec2,
 }
 
 /// Every step whose beginning and end the clip shows, with its state.
@@ -66,27 +79,66 @@ pub fn taken(track: &Track, feet: &Footfalls) -> Vec<Taken> {
 }
 
 /// Judges them: each against the model and the median of the others.
-pub fn judge(track: &Track, feet: &Footfalls, taken: &[Taken]) -> Vec<Judged> {
+pub fn judge(track: &Track, taken: &[Taken]) -> Vec<Judged> {
     let size = track.size();
-    let own = |index: usize| {
-        let others: Vec<&Taken> = (0..taken.len()).filter(|other| *other != index).map(|other| &taken[other]).collect();
-        let pick = |axis: usize| {
-            let values: Vec<f64> = others.iter().map(|other| other.rest[axis]).collect();
-            let count = values.len() as f64;
-            (count * median(&values) + PRIOR * POPULATION[axis] * size) / (count + PRIOR)
-        };
-        DVec2::new(pick(0), pick(1))
-    };
     (0..taken.len())
         .map(|index| {
             let step = taken[index];
-            let own = own(index);
+            let others = (0..taken.len()).filter(|other| *other != index);
+            let count = others.clone().count() as f64;
+            let own = |axis: usize| {
+                let values: Vec<f64> = others.clone().map(|other| taken[other].rest[axis]).collect();
+                (count * median(&values) + PRIOR[axis] * POPULATION[axis] * size) / (count + PRIOR[axis])
+            };
+            let own = DVec2::new(own(0), own(1));
             let offset = step.model + own;
             let predicted = step.xi + step.ahead * offset.x + step.out * offset.y;
-            let _ = feet;
-            Judged { taken: step, predicted, error: step.rest - own }
+            let scatter = |axis: usize| {
+                let misses: Vec<f64> =
+                    others.clone().map(|other| (taken[other].rest[axis] - own[axis]).abs()).collect();
+                1.48 * median(&misses)
+            };
+            let limit = |axis: usize| {
+                let told = PLACED[axis] * size * (1.0 + 1.0 / (count + PRIOR[axis])).sqrt();
+                let scatter = scatter(axis);
+                if scatter > IRREGULAR * size { told.max(SCATTER * scatter) } else { told }
+            };
+            Judged { taken: step, predicted, error: step.rest - own, limit: DVec2::new(limit(0), limit(1)) }
         })
         .collect()
+}
+
+/// Every mark of the rule.
+pub fn marks(feet: &Footfalls, judged: &[Judged]) -> Vec<Mark> {
+    judged.iter().filter_map(|judged| mark(&feet.contacts[judged.taken.step.to], judged)).collect()
+}
+
+fn mark(landing: &Contact, judged: &Judged) -> Option<Mark> {
+    let (error, limit) = (judged.error, judged.limit);
+    let worst = (error.x.abs() / limit.x).max(error.y.abs() / limit.y);
+    let part = |value: f64, plus: &str, minus: &str| {
+        format!("{:.0} cm too far {}", 100.0 * value.abs(), if value > 0.0 { plus } else { minus })
+    };
+    let mut words = Vec::new();
+    if error.x.abs() > 0.5 * limit.x {
+        words.push(part(error.x, "ahead", "behind"));
+    }
+    if error.y.abs() > 0.5 * limit.y {
+        words.push(part(error.y, "out", "in"));
+    }
+    let offset = |place: DVec2| (place - judged.taken.com).length();
+    let far = error.length();
+    (worst > 1.0).then(|| Mark {
+        start: landing.start,
+        end: landing.end,
+        rule: Rule::FootPlacement,
+        side: Some(landing.side),
+        measured: offset(landing.place),
+        predicted: offset(judged.predicted),
+        delta: far,
+        limit: far / worst,
+        why: format!("the {} foot comes down {}", foot_name(landing.side), words.join(" and ")),
+    })
 }
 
 fn state(track: &Track, feet: &Footfalls, step: Step) -> Option<Taken> {
@@ -106,7 +158,10 @@ fn state(track: &Track, feet: &Footfalls, step: Step) -> Option<Taken> {
     let left = DVec2::new(ahead.y, -ahead.x);
     let out = if step.side == Side::Left { left } else { -left };
     let xi = pendulum::extrapolated(com, velocity, omega);
-    let interval = ((at - stance.touch_down) / hz).clamp(0.15, 1.5);
+    let interval = ((at - stance.touch_down) / hz).max(0.15);
+    if interval > WALKING * track.tempo() {
+        return None;
+    }
     let steady = speed * interval / ((omega * interval).exp() - 1.0);
     let inwards = turn_rate(track, from, hz) * speed * CURVE / track.tempo();
     let model = DVec2::new(-steady, -inwards * out.dot(left));

@@ -65,6 +65,11 @@ impl<'a> Track<'a> {
         self.com.is_empty()
     }
 
+    /// m, (x, z): straight below the centre of mass.
+    pub fn below(&self, frame: usize) -> DVec2 {
+        DVec2::new(self.com[frame].x, self.com[frame].z)
+    }
+
     /// 1/s, of the pendulum whose height is the centre of mass's over that ground.
     pub fn omega(&self, frame: usize, floor: f64) -> f64 {
         let tallest = self.capture.body.leg_length;
@@ -146,4 +151,28 @@ fn facing(capture: &Capture) -> Vec<DVec2> {
             last
         })
         .collect()
+}
+
+/// Files of captured motion often begin with a T-pose: frames from which the body jumps within the first few. They are held at the first
+/// frame of the motion; how many there are.
+pub fn without_pose(capture: &Capture) -> (Option<Capture>, usize) {
+    const LOOKED_AT: usize = 5;
+    let frames = capture.frames();
+    let joints = capture.body.joints.len();
+    let leap = |frame: usize| {
+        let pairs = capture.at(frame).iter().zip(capture.at(frame + 1));
+        pairs.map(|(from, to)| from.distance(*to)).fold(0.0, f64::max)
+    };
+    if frames < 3 * LOOKED_AT {
+        return (None, 0);
+    }
+    let usual = (LOOKED_AT..3 * LOOKED_AT - 1).map(leap).fold(0.0, f64::max);
+    let far = 0.15 * capture.body.leg_length;
+    let Some(last) = (0..LOOKED_AT).rev().find(|frame| leap(*frame) > far.max(4.0 * usual)) else { return (None, 0) };
+    let mut held = capture.clone();
+    for frame in 0..=last {
+        held.positions.copy_within((last + 1) * joints..(last + 2) * joints, frame * joints);
+        held.turns.copy_within((last + 1) * joints..(last + 2) * joints, frame * joints);
+    }
+    (Some(held), last + 1)
 }

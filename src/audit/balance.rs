@@ -1,0 +1,128 @@
+//! The zero-moment point against the feet: where the ground would have to push for that motion, and no foot is.
+//!
+//! Clip space, m. With the rate of angular momentum, 7 Hz, as in `measure::zmp`. The support is the hull of the soles that bear, those
+//! that come down or leave within some hundredths of a second among them: a contact's edge is not known better than that.
+
+use super::contacts::Footfalls;
+use super::track::Track;
+use super::{Domain, Mark};
+use crate::maths::hull::{convex_hull, signed_distance};
+use crate::measure::dynamics::dynamics;
+use crate::measure::{GRAVITY, Motion};
+use crate::model::findings::Rule;
+use crate::model::{BodyPose, Side};
+use glam::DVec2;
+
+/// m at a leg of 0.83 m and s: out of the support by more for so long is told. People who swing their arms are 0.3 m out for a frame
+/// or two of 30 Hz, and never 0.1 m for longer.
+const OUT: [(f64, f64); 2] = [(0.36, 0.06), (0.13, 0.12)];
+/// m: what is out by as much beside such a span belongs to it.
+const BESIDE: f64 = 0.08;
+/// s: so much at either end of a clip is not judged.
+const ENDS: f64 = 0.1;
+/// s: spans that are nearer are one.
+const JOIN: f64 = 0.35;
+/// s: soles that bear within that time carry.
+const EDGE: f64 = 0.06;
+/// Share of the weight that the ground must carry for a ZMP to be.
+const LEAST_LOAD: f64 = 0.4;
+
+/// What a frame's balance is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Balance {
+    /// m, (x, z).
+    pub zmp: DVec2,
+    /// m out of the support, negative inside.
+    pub out: f64,
+}
+
+/// Every frame's; `None` where no foot bears or the body falls.
+pub fn balance(track: &Track, feet: &Footfalls) -> Vec<Option<Balance>> {
+    let capture = track.capture;
+    let poses: Vec<BodyPose> = (0..track.len())
+        .map(|frame| BodyPose { hips: capture.at(frame)[0], turns: capture.turns_at(frame).to_vec() })
+        .collect();
+    let motion = Motion { body: &capture.body, hz: capture.fps, per_frame: 1, poses: &poses };
+    let Some(measured) = crate::measure::Track::new(motion) else { return vec![None; track.len()] };
+    let found = dynamics(&measured, &[]);
+    let edge = (EDGE * capture.fps * track.tempo()).round() as usize;
+    let weight = capture.body.mass * GRAVITY;
+    (0..track.len())
+        .map(|frame| {
+            let needed = found.needed[frame];
+            if needed.force.y < LEAST_LOAD * weight {
+                return None;
+            }
+            let support = support(track, feet, frame, edge)?;
+            let com = found.com[frame];
+            let height = com.y - feet.floor_at(frame, track.below(frame));
+            // Where the ground's force has no tangential moment.
+            let zmp = DVec2::new(
+                com.x - (height * needed.force.x + needed.moment.z) / needed.force.y,
+                com.z - (height * needed.force.z - needed.moment.x) / needed.force.y,
+            );
+            Some(Balance { zmp, out: signed_distance(&support, zmp) })
+        })
+        .collect()
+}
+
+/// Every mark of the rule.
+pub fn marks(track: &Track, balance: &[Option<Balance>], domain: &Domain) -> Vec<Mark> {
+    let size = track.size();
+    // A filter knows less at the ends of a clip.
+    let end = (ENDS * track.capture.fps).round() as usize;
+    let inner = end..(track.len().saturating_sub(end));
+    let out = |frame: usize| {
+        balance[frame].filter(|_| inner.contains(&frame) && domain.walks(frame)).map_or(f64::MIN, |found| found.out)
+    };
+    let join = (JOIN * track.capture.fps).round() as usize;
+    let mut spans: Vec<(usize, usize)> = Vec::new();
+    for (start, end) in super::spans(track.len(), |frame| out(frame) > BESIDE * size) {
+        let told = OUT.iter().any(|(limit, lasts)| {
+            let lasts = (lasts * track.capture.fps).round().max(2.0) as usize;
+            let over = |frame: usize| out(frame) > limit * size;
+            super::spans(end + 1, |frame| frame >= start && over(frame)).iter().any(|(from, to)| to - from + 1 >= lasts)
+        });
+        match spans.last_mut() {
+            _ if !told => {}
+            Some(last) if start - last.1 <= join => last.1 = end,
+            _ => spans.push((start, end)),
+        }
+    }
+    spans
+        .into_iter()
+        .map(|(start, end)| {
+            let most = (start..=end).filter_map(|frame| balance[frame]).map(|found| found.out).fold(0.0, f64::max);
+            Mark {
+                start,
+                end,
+                rule: Rule::Balance,
+                side: None,
+                measured: most,
+                predicted: 0.0,
+                delta: most,
+                limit: OUT[1].0 * size,
+                why: format!("the ground would have to push {:.0} cm outside of the feet", 100.0 * most),
+            }
+        })
+        .collect()
+}
+
+/// m, (x, z): the hull of the soles that bear.
+pub fn support(track: &Track, feet: &Footfalls, frame: usize, edge: usize) -> Option<Vec<DVec2>> {
+    let mut points: Vec<DVec2> = Vec::new();
+    for side in Side::BOTH {
+        let of = &feet.of[side as usize];
+        let span = frame.saturating_sub(edge)..=(frame + edge).min(track.len() - 1);
+        let Some(bears) = span.filter(|at| of[*at].is_some()).min_by_key(|at| at.abs_diff(frame)) else { continue };
+        let foot = &track.capture.body.feet[side as usize];
+        let [heel, ball, tip] = track.feet[side as usize].points[bears];
+        let along = DVec2::new(tip.x - heel.x, tip.z - heel.z).normalize_or_zero();
+        let across = DVec2::new(along.y, -along.x) * foot.half_width;
+        for point in [heel, ball, tip] {
+            let place = DVec2::new(point.x, point.z);
+            points.extend([place + across, place - across]);
+        }
+    }
+    (!points.is_empty()).then(|| convex_hull(&points))
+}

@@ -1,0 +1,69 @@
+//! Flights: a body without contact falls at 9.81 m/s², whatever it does.
+//!
+//! Clip space, SI. The path of the centre of mass through a flight, unfiltered (a filter would smear the take-off's push into it), is
+//! fitted by a parabola; a flight under 0.2 s at 30 fps has too few frames for one and is passed over.
+
+use super::Mark;
+use super::contacts::Footfalls;
+use super::track::Track;
+use crate::measure::GRAVITY;
+use crate::model::findings::Rule;
+
+/// Frames that a fit needs, ends left out.
+const LEAST: usize = 7;
+/// Share of gravity by which a flight may miss it.
+const OFF: f64 = 0.3;
+
+/// Spans without contact, first and last frame.
+pub fn flights(track: &Track, feet: &Footfalls) -> Vec<(usize, usize)> {
+    super::spans(track.len(), |frame| feet.bearing(frame) == 0)
+}
+
+/// Every mark of the rule.
+pub fn marks(track: &Track, feet: &Footfalls) -> Vec<Mark> {
+    let last = track.len() - 1;
+    flights(track, feet)
+        .into_iter()
+        .filter(|(start, end)| *start > 0 && *end < last)
+        .filter_map(|(start, end)| {
+            let fall = fall(track, start, end)?;
+            let off = (fall - GRAVITY).abs() / GRAVITY;
+            let seconds = (end - start + 1) as f64 / track.capture.fps;
+            (off > OFF).then(|| Mark {
+                start,
+                end,
+                rule: Rule::Ballistic,
+                side: None,
+                measured: fall,
+                predicted: GRAVITY,
+                delta: (fall - GRAVITY).abs() * seconds * seconds / 8.0,
+                limit: OFF * GRAVITY * seconds * seconds / 8.0,
+                why: format!("in flight the body falls at {fall:.1} m/s² instead of {GRAVITY}"),
+            })
+        })
+        .collect()
+}
+
+/// m/s²: how fast the centre of mass falls in a span, by least squares; `None` for too few frames.
+fn fall(track: &Track, start: usize, end: usize) -> Option<f64> {
+    let edge = (0.02 * track.capture.fps).round() as usize + 1;
+    let (from, to) = (start + edge, end.checked_sub(edge)?);
+    if to < from + LEAST - 1 {
+        return None;
+    }
+    let middle = 0.5 * (from + to) as f64;
+    // Least squares of y = a + b t + c t²; with t about the middle the odd sums vanish.
+    let (mut s0, mut s2, mut s4, mut sy, mut sy2) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for frame in from..=to {
+        let t = (frame as f64 - middle) / track.capture.fps;
+        let y = track.capture.centre_of_mass(frame).y;
+        let square = t * t;
+        s0 += 1.0;
+        s2 += square;
+        s4 += square * square;
+        sy += y;
+        sy2 += y * square;
+    }
+    let determinant = s0 * s4 - s2 * s2;
+    (determinant > 1e-15).then(|| -2.0 * (s0 * sy2 - s2 * sy) / determinant)
+}

@@ -1,0 +1,85 @@
+//! The clip's clock: a pendulum of that body swings at one rate, and a clip that plays too slow or too fast swings at another.
+//!
+//! Clip space, SI. On one foot the centre of mass is driven away from it at ω² times its distance, ω² = g/h: the slope of the horizontal
+//! acceleration over the distance, across the way and along it, is a clock that gravity winds. A clip at 0.6 of its speed shows 0.36 of
+//! the slope. (Captured walks and turns lie within 0.78 to 1.45 across, whatever their style; cadence alone does not tell a slow clip from
+//! a tired walker.) What it leaves out: clips without single support, and spans that are too slow or too fast within a clip that is not.
+
+use super::Domain;
+use super::contacts::Footfalls;
+use super::track::Track;
+use crate::measure::GRAVITY;
+use crate::model::Side;
+use crate::model::findings::{ClipFlag, Rule};
+use glam::DVec2;
+
+/// Measured over expected ω², from which a clip is slow, across and along.
+const SLOW: (f64, f64) = (0.62, 0.62);
+/// Their geometric mean from which it is fast.
+const FAST: f64 = 1.5;
+/// m/s: slower than that nobody walks.
+const WALKS: f64 = 0.12;
+/// Frames in single support and steps that tell a rate.
+const LEAST: (usize, usize) = (20, 4);
+
+/// Measured over expected ω².
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock {
+    /// Across the way.
+    pub across: f64,
+    /// Along it.
+    pub along: f64,
+}
+
+/// The clip's, from its walking; `None` where there is too little of it.
+pub fn clock(track: &Track, feet: &Footfalls, domain: &Domain) -> Option<Clock> {
+    let mut sums = [[0.0; 2]; 2]; // across, along: distance², distance x acceleration
+    let (mut frames, mut expected) = (0, 0.0);
+    for frame in 0..track.len() {
+        let [left, right] = Side::BOTH.map(|side| feet.of[side as usize][frame]);
+        let stance = match (left, right) {
+            (Some(contact), None) | (None, Some(contact)) if domain.walks(frame) => &feet.contacts[contact],
+            _ => continue,
+        };
+        let flat = |vector: glam::DVec3| DVec2::new(vector.x, vector.z);
+        let velocity = flat(track.velocity[frame]);
+        if velocity.length() < WALKS * track.tempo() {
+            continue;
+        }
+        let ahead = velocity.normalize();
+        let distance = flat(track.com[frame]) - stance.place;
+        let acceleration = flat(track.acceleration[frame]);
+        for (axis, sums) in [ahead.perp(), ahead].into_iter().zip(&mut sums) {
+            sums[0] += distance.dot(axis).powi(2);
+            sums[1] += distance.dot(axis) * acceleration.dot(axis);
+        }
+        frames += 1;
+        expected += track.omega(frame, stance.height).powi(2);
+    }
+    if frames < LEAST.0 || feet.steps.len() < LEAST.1 {
+        return None;
+    }
+    let expected = expected / frames as f64;
+    let slope = |sums: [f64; 2]| sums[1] / sums[0].max(1e-9) / expected;
+    Some(Clock { across: slope(sums[0]), along: slope(sums[1]) })
+}
+
+/// The mark of the rule.
+pub fn mark(clock: Clock) -> Option<ClipFlag> {
+    let slow = clock.across < SLOW.0 && clock.along < SLOW.1 && clock.across > 0.0;
+    let mean = (clock.across.max(0.0) * clock.along.max(0.0)).sqrt();
+    if !slow && mean <= FAST {
+        return None;
+    }
+    let speed = if slow { clock.across.sqrt() } else { mean.sqrt() };
+    let word = if slow { "slower" } else { "faster" };
+    Some(ClipFlag {
+        rule: Rule::Timing,
+        severity: (1.0 - speed.min(1.0 / speed)).clamp(0.0, 1.0) * 2.0_f64.min(1.0 / speed.min(1.0)),
+        why: format!(
+            "the body sways {word} than gravity lets it: the clip plays at about {speed:.1} of its speed (ω² {:.2} of g/h, {:.2} m/s² expected a metre)",
+            if slow { clock.across } else { mean },
+            GRAVITY
+        ),
+    })
+}
