@@ -4,12 +4,13 @@
 //! read among several is told with its cause, the rest goes on, and the exit is 2.
 
 use super::args::AuditArgs;
-use super::clip_files::{self, ClipFile, Overrides};
+use super::clip_files::{self, ClipFile};
 use super::exit_code::{Exit, Failure};
 use super::waivers::{self, Waived, Waivers};
 use super::writer::{self, Output};
 use super::{audit_json, audit_table, audit_text, say, tell};
 use crate::audit::{AuditOptions, audit};
+use crate::mocap;
 use crate::model::Capture;
 use crate::model::findings::Findings;
 use crate::picture::report_frames::frame_rows;
@@ -61,7 +62,7 @@ pub fn run(args: &AuditArgs) -> Result<Exit, Failure> {
     let waivers = args.waive.as_deref().map(waivers::read).transpose()?.unwrap_or_default();
     let work = Work {
         args,
-        overrides: Overrides { fps: args.fps, up: args.up.clone(), unit: args.unit },
+        reading: mocap::Options { fps: args.fps, up: args.up.as_deref().and_then(mocap::up_axis), unit: args.unit },
         options: AuditOptions { floor: args.floor, ..AuditOptions::default() },
         waivers: &waivers,
         share: MOST_BYTES / files.len().max(1),
@@ -87,11 +88,11 @@ pub fn run(args: &AuditArgs) -> Result<Exit, Failure> {
             say(&audit_text::plain(&audit_text::clip(clip)))?;
         }
     }
-    finish(args, &clips, &unread, files.len())
+    finish(args, &clips, &unread)
 }
 
 /// What stands at the end: unread files before flags.
-fn finish(args: &AuditArgs, clips: &[Audited], unread: &[Unread], files: usize) -> Result<Exit, Failure> {
+fn finish(args: &AuditArgs, clips: &[Audited], unread: &[Unread]) -> Result<Exit, Failure> {
     for failure in unread {
         tell(&audit_text::plain(&format!("error: {}", failure.cause)));
     }
@@ -100,11 +101,14 @@ fn finish(args: &AuditArgs, clips: &[Audited], unread: &[Unread], files: usize) 
         0 => {}
         count => {
             let exit = if broke_down { Exit::Failed } else { Exit::BadInput };
-            return Err(Failure { exit, message: format!("{count} of {files} files could not be read") });
+            return Err(Failure { exit, message: format!("{count} of {} clips could not be read", count + clips.len()) });
         }
     }
     if clips.is_empty() {
-        return Err(Failure::bad_input("no clip in any of the files"));
+        return Err(Failure::bad_input(match &args.clip {
+            Some(name) => format!("no clip {name:?} in any of the files"),
+            None => "no clip in any of the files".to_owned(),
+        }));
     }
     let standing: usize = clips.iter().map(|clip| clip.waived.standing()).sum();
     if args.strict && standing > 0 {
@@ -155,7 +159,7 @@ fn used(clips: &[Audited], waivers: usize) -> Vec<usize> {
 /// What is the same for every file.
 struct Work<'a> {
     args: &'a AuditArgs,
-    overrides: Overrides,
+    reading: mocap::Options,
     options: AuditOptions,
     waivers: &'a Waivers,
     /// Bytes that a file may take of the page.
@@ -173,7 +177,7 @@ impl Work<'_> {
         if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} clips, {eta} left") {
             bar.set_style(style);
         }
-        let judged: Vec<Result<Vec<Audited>, Unread>> = pool.install(|| {
+        let judged: Vec<Vec<Result<Audited, Unread>>> = pool.install(|| {
             let one = |file: &ClipFile| {
                 let outcome = self.guarded(file);
                 bar.inc(1);
@@ -183,9 +187,9 @@ impl Work<'_> {
         });
         bar.finish_and_clear();
         let (mut clips, mut unread) = (Vec::new(), Vec::new());
-        for outcome in judged {
+        for outcome in judged.into_iter().flatten() {
             match outcome {
-                Ok(of_file) => clips.extend(of_file),
+                Ok(clip) => clips.push(clip),
                 Err(failure) => unread.push(failure),
             }
         }
@@ -193,21 +197,27 @@ impl Work<'_> {
     }
 
     /// One file; a panic, which would be a bug, is that file's alone.
-    fn guarded(&self, file: &ClipFile) -> Result<Vec<Audited>, Unread> {
-        let told = |cause: String, broke_down: bool| Unread { path: file.path.clone(), cause, broke_down };
-        match catch_unwind(AssertUnwindSafe(|| self.one(&file.path))) {
-            Ok(outcome) => outcome.map_err(|cause| told(cause, false)),
-            Err(_) => {
-                let what = "surefoot broke down on this file\n  help: this is a bug. Please report it with the file";
-                Err(told(format!("{}: {what}", file.path.display()), true))
-            }
-        }
+    fn guarded(&self, file: &ClipFile) -> Vec<Result<Audited, Unread>> {
+        catch_unwind(AssertUnwindSafe(|| self.one(file))).unwrap_or_else(|_| {
+            let what = "surefoot broke down on this file\n  help: this is a bug. Please report it with the file";
+            let cause = format!("{}: {what}", file.path.display());
+            vec![Err(Unread { path: file.path.clone(), cause, broke_down: true })]
+        })
     }
 
-    fn one(&self, path: &Path) -> Result<Vec<Audited>, String> {
-        let captures = clip_files::load(path, &self.overrides, self.args.clip.as_deref())?;
-        let share = self.share / captures.len().max(1);
-        Ok(captures.iter().map(|capture| self.clip(path, capture, share)).collect())
+    fn one(&self, file: &ClipFile) -> Vec<Result<Audited, Unread>> {
+        let unread = |cause: String| Unread { path: file.path.clone(), cause, broke_down: false };
+        let opened = match clip_files::open(file, self.args.clip.as_deref()) {
+            Ok(None) => return Vec::new(),
+            Ok(Some(opened)) => opened,
+            Err(cause) => return vec![Err(unread(cause))],
+        };
+        let share = self.share / opened.wanted.len().max(1);
+        let one = |index: &usize| match opened.capture(*index, &self.reading) {
+            Ok(capture) => Ok(self.clip(&file.path, &capture, share)),
+            Err(cause) => Err(unread(cause)),
+        };
+        opened.wanted.iter().map(one).collect()
     }
 
     fn clip(&self, path: &Path, capture: &Capture, share: usize) -> Audited {

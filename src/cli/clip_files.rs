@@ -18,17 +18,6 @@ pub struct ClipFile {
     pub found: bool,
 }
 
-/// What a person knows better than the file.
-#[derive(Clone, Debug, Default)]
-pub struct Overrides {
-    /// Hz.
-    pub fps: Option<f64>,
-    /// As in "+Z".
-    pub up: Option<String>,
-    /// m.
-    pub unit: Option<f64>,
-}
-
 /// The files, each once: as given, and sorted within a folder or a pattern. True if several could be meant.
 pub fn expand(named: &[PathBuf]) -> Result<(Vec<ClipFile>, bool), Failure> {
     let mut files: Vec<ClipFile> = Vec::new();
@@ -55,33 +44,39 @@ pub fn expand(named: &[PathBuf]) -> Result<(Vec<ClipFile>, bool), Failure> {
     Ok((files, several))
 }
 
-/// Every clip of a file, or the one of that name. The error is for a person and begins with the file.
-pub fn load(path: &Path, overrides: &Overrides, only: Option<&str>) -> Result<Vec<Capture>, String> {
-    resolve::plain_file(path, "a clip is a .bvh, .fbx, .glb, .gltf, .vrm or .vrma file")
-        .map_err(|failure| failure.message)?;
-    let mut captures = read(path)?;
-    if let Some(name) = only {
-        let there: Vec<String> = captures.iter().map(|capture| format!("{:?}", capture.name)).collect();
-        captures.retain(|capture| capture.name == name);
-        if captures.is_empty() {
-            return Err(format!("{}: no clip {name:?} in it; there is {}", path.display(), there.join(", ")));
-        }
-    }
-    for capture in &mut captures {
-        capture.fps = overrides.fps.unwrap_or(capture.fps);
-    }
-    Ok(captures)
+/// A file of clips, opened, and which of them are asked for.
+pub struct Opened {
+    file: mocap::ClipFile,
+    /// Indices of clips.
+    pub wanted: Vec<usize>,
 }
 
-fn read(path: &Path) -> Result<Vec<Capture>, String> {
-    let name = path.display().to_string();
-    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
-    if ending != "bvh" {
-        return Err(format!("{name}: this version reads .bvh files only"));
+/// Opens a file: every clip of it, or the one of that name. `None` where it was found, not named, and has no clip at all (a rig among
+/// clips). The error is for a person and begins with the file.
+pub fn open(file: &ClipFile, only: Option<&str>) -> Result<Option<Opened>, String> {
+    resolve::plain_file(&file.path, "a clip is a .bvh, .fbx, .glb, .gltf, .vrm or .vrma file")
+        .map_err(|failure| failure.message)?;
+    let opened = match mocap::load(&file.path) {
+        Err(mocap::MocapError::NoClip { .. }) if file.found => return Ok(None),
+        opened => opened.map_err(|error| error.to_string())?,
+    };
+    let wanted = match only.map(|name| opened.find(name)) {
+        None => (0..opened.clips.len()).collect(),
+        Some(Ok(index)) => vec![index],
+        Some(Err(_)) if file.found => return Ok(None),
+        Some(Err(error)) => return Err(error.to_string()),
+    };
+    Ok(Some(Opened { file: opened, wanted }))
+}
+
+impl Opened {
+    /// A clip of it. The error is for a person and begins with the file.
+    pub fn capture(&self, index: usize, options: &mocap::Options) -> Result<Capture, String> {
+        self.file.capture(index, options).map_err(|error| match self.file.clips.len() {
+            1 => error.to_string(),
+            _ => format!("{error} (clip {:?})", self.file.clips[index]),
+        })
     }
-    let bytes = std::fs::read(path).map_err(|error| format!("{name}: cannot be read: {error}"))?;
-    let text = String::from_utf8_lossy(&bytes);
-    mocap::read_bvh(&name, &text).map(|capture| vec![capture]).map_err(|error| error.to_string())
 }
 
 fn is_clip(path: &Path) -> bool {

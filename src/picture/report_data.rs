@@ -92,13 +92,13 @@ fn table(text: &mut String, name: &str, rows: &[Vec<i64>]) {
     text.push(']');
 }
 
-/// Columns of `curves`; -1 is no contact, no support, no ZMP.
-const CURVES: [&str; 14] = [
-    "speed", "com_x", "com_y", "com_z", "xi_x", "xi_z", "zmp_x", "zmp_z", "margin", "supported", "part_left", "part_right",
-    "sole_left", "sole_right",
+/// Columns of `curves`. `pressed` and `supported` are 1 where there is a ZMP and a margin, parts -1 where the foot does not bear.
+const CURVES: [&str; 16] = [
+    "speed", "com_x", "com_y", "com_z", "xi_x", "xi_z", "zmp_x", "zmp_z", "pressed", "margin", "supported", "part_left", "part_right",
+    "sole_left", "sole_right", "floor",
 ];
 
-fn curves(row: &FrameRow) -> [i64; 14] {
+fn curves(row: &FrameRow) -> [i64; 16] {
     let part = |part: Option<&str>| match part {
         None => -1,
         Some("heel") => 0,
@@ -115,12 +115,14 @@ fn curves(row: &FrameRow) -> [i64; 14] {
         mm(row.xi.y),
         mm(zmp.x),
         mm(zmp.y),
+        i64::from(row.zmp.is_some()),
         mm(row.margin.unwrap_or(0.0)),
         i64::from(row.margin.is_some()),
         part(row.parts[0]),
         part(row.parts[1]),
         mm(row.soles[0]),
         mm(row.soles[1]),
+        mm(row.floor),
     ]
 }
 

@@ -1,13 +1,13 @@
 //! What a clip does frame by frame, as the table of an audit and its page show it: centre of mass, ξ, ZMP, margin, contacts, soles.
 //!
-//! Clip space (metres, Y up), s. The ZMP here is the point mass's, c - h a / (g + a_y); the margin is the distance from ξ to the edge of
+//! Clip space (metres, Y up), s. The ZMP is the audit's; the margin is the distance from ξ to the edge of
 //! the soles that bear, positive inside. Soles are the outline of heel, ball and tip. Judges nothing.
 
 use crate::audit::contacts::{Footfalls, footfalls};
-use crate::audit::track::Track;
+use crate::audit::balance::{Balance, balance};
+use crate::audit::track::{Track, without_pose};
 use crate::maths::hull::{convex_hull, signed_distance};
 use crate::maths::pendulum;
-use crate::measure::GRAVITY;
 use crate::model::findings::Findings;
 use crate::model::{Capture, Side};
 use glam::{DVec2, DVec3};
@@ -44,7 +44,8 @@ pub fn frame_rows(capture: &Capture, findings: &Findings) -> Vec<FrameRow> {
     if capture.frames() == 0 {
         return Vec::new();
     }
-    let track = Track::new(capture);
+    let (held, _) = without_pose(capture);
+    let track = Track::new(held.as_ref().unwrap_or(capture));
     let feet = footfalls(&track);
     let mut parts: [Vec<Option<&'static str>>; 2] = [vec![None; track.len()], vec![None; track.len()]];
     for contact in &findings.contacts {
@@ -53,12 +54,21 @@ pub fn frame_rows(capture: &Capture, findings: &Findings) -> Vec<FrameRow> {
             parts[usize::from(contact.foot == "right")][contact.start..=end].fill(Some(contact.part));
         }
     }
-    (0..track.len()).map(|frame| row(&track, &feet, [parts[0][frame], parts[1][frame]], frame)).collect()
+    let balance = balance(&track, &feet);
+    (0..track.len())
+        .map(|frame| row(&track, &feet, [parts[0][frame], parts[1][frame]], balance[frame], frame))
+        .collect()
 }
 
-fn row(track: &Track, feet: &Footfalls, parts: [Option<&'static str>; 2], frame: usize) -> FrameRow {
-    let (com, velocity, acceleration) = (track.com[frame], track.velocity[frame], track.acceleration[frame]);
-    let floor = feet.floor_at(frame);
+fn row(
+    track: &Track,
+    feet: &Footfalls,
+    parts: [Option<&'static str>; 2],
+    balance: Option<Balance>,
+    frame: usize,
+) -> FrameRow {
+    let (com, velocity) = (track.com[frame], track.velocity[frame]);
+    let floor = feet.floor_at(frame, track.below(frame));
     let flat = |v: DVec3| DVec2::new(v.x, v.z);
     let xi = pendulum::extrapolated(flat(com), flat(velocity), track.omega(frame, floor));
     let mut corners: Vec<DVec2> = Vec::new();
@@ -69,7 +79,6 @@ fn row(track: &Track, feet: &Footfalls, parts: [Option<&'static str>; 2], frame:
     }
     let hull = convex_hull(&corners);
     let bears = !hull.is_empty();
-    let pressing = (GRAVITY + acceleration.y).max(0.1 * GRAVITY);
     let outlines = Side::BOTH.map(|side| track.feet[side as usize].points[frame]);
     FrameRow {
         frame,
@@ -77,10 +86,13 @@ fn row(track: &Track, feet: &Footfalls, parts: [Option<&'static str>; 2], frame:
         com,
         speed: velocity.length(),
         xi,
-        zmp: bears.then(|| flat(com) - flat(acceleration) * ((com.y - floor) / pressing)),
+        zmp: balance.map(|found| found.zmp),
         margin: bears.then(|| -signed_distance(&hull, xi)),
         parts,
-        soles: Side::BOTH.map(|side| track.feet[side as usize].low[frame] - feet.under(side, frame)),
+        soles: Side::BOTH.map(|side| {
+            let foot = &track.feet[side as usize];
+            foot.low[frame] - feet.under(side, frame, foot.place(frame))
+        }),
         floor,
         outlines,
     }

@@ -20,16 +20,8 @@ function opened(clip) {
   clip.last = Math.max(0, clip.frames - 1);
   clip.column = Object.fromEntries(clip.curveNames.map((name, index) => [name, index]));
   clip.role = Object.fromEntries(clip.bones.map(([, to, role]) => [role, to]));
-  const heights = clip.prints.map((print) => print.y).sort((a, b) => a - b);
-  clip.floor = heights.length ? heights[heights.length >> 1] / 1000 : lowest(clip);
   clip.size = clip.height / 1.75 || 1;
   return clip;
-}
-
-function lowest(clip) {
-  let low = 0;
-  for (let i = 1; i < clip.places.length; i += 3) if (i === 1 || clip.places[i] / 1000 < low) low = clip.places[i] / 1000;
-  return low;
 }
 
 // The samples on both sides of a frame and the share of the later one.

@@ -125,7 +125,7 @@ function drawThumb(canvas, clip, frame, flag) {
   const { context, width, height } = canvasOf(canvas);
   const side = flag.foot === 'right' ? -1 : 1;
   const camera = new Camera(facing(clip, frame) + side * 1.05, 0.2, 2.95 * clip.size);
-  Object.assign(camera, { width, height, target: [value(clip, 'com_x', frame), clip.floor + 0.47 * clip.height, value(clip, 'com_z', frame)] });
+  Object.assign(camera, { width, height, target: [value(clip, 'com_x', frame), value(clip, 'floor', frame) + 0.47 * clip.height, value(clip, 'com_z', frame)] });
   drawScene(context, camera, clip, frame, true, flag);
 }
 

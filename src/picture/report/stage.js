@@ -55,13 +55,14 @@ function drawScene(context, camera, clip, frame, plain, only) {
   const points = pose(clip, frame);
   if (!points.length) return;
   camera.aim();
-  drawGrid(context, camera, clip.floor);
-  if (!plain) drawTrails(context, camera, clip, frame);
+  const floor = value(clip, 'floor', frame);
+  drawGrid(context, camera, floor);
+  if (!plain) drawTrails(context, camera, clip, frame, floor);
   drawPrints(context, camera, clip, frame, plain);
-  drawShadow(context, camera, clip, points);
+  drawShadow(context, camera, clip, points, floor);
   const flags = only ? [only] : flaggedIn(clip, frame);
   drawBody(context, camera, clip, points, flags);
-  drawMarks(context, camera, clip, frame, flags, plain);
+  drawMarks(context, camera, clip, frame, flags, plain, floor);
 }
 
 function drawGrid(context, camera, floor) {
@@ -93,7 +94,7 @@ function drawGrid(context, camera, floor) {
 }
 
 // Where the centre of mass and ξ went, on the floor, two seconds either way.
-function drawTrails(context, camera, clip, frame) {
+function drawTrails(context, camera, clip, frame, floor) {
   const half = 2 * clip.fps, step = Math.max(clip.stride, clip.fps / 30);
   for (const [name, colour] of [['com', 'com'], ['xi', 'xi']]) {
     context.strokeStyle = colours[colour];
@@ -102,7 +103,7 @@ function drawTrails(context, camera, clip, frame) {
     context.beginPath();
     let pen = false;
     for (let at = Math.max(0, frame - half); at <= Math.min(clip.last, frame + half); at += step) {
-      const place = camera.project([value(clip, name + '_x', at), clip.floor, value(clip, name + '_z', at)]);
+      const place = camera.project([value(clip, name + '_x', at), floor, value(clip, name + '_z', at)]);
       if (place[3] < 0.1) { pen = false; continue; }
       if (pen) context.lineTo(place[0], place[1]); else context.moveTo(place[0], place[1]);
       pen = true;
@@ -147,13 +148,13 @@ function drawPrints(context, camera, clip, frame, plain) {
   context.globalAlpha = 1;
 }
 
-function drawShadow(context, camera, clip, points) {
+function drawShadow(context, camera, clip, points, floor) {
   context.strokeStyle = colours.shadow;
   context.lineCap = 'round';
   context.beginPath();
   let scale = 1;
   for (const [from, to] of clip.bones) {
-    const [a, b] = [points[from], points[to]].map((p) => camera.project([p[0], clip.floor, p[2]]));
+    const [a, b] = [points[from], points[to]].map((p) => camera.project([p[0], floor, p[2]]));
     if (a[3] < 0.1 || b[3] < 0.1) continue;
     scale = a[2];
     context.moveTo(a[0], a[1]);
@@ -189,6 +190,7 @@ function drawBody(context, camera, clip, points, flags) {
   const head = points[clip.role.head], top = points[clip.columns - 7];
   if (head && top) {
     const low = [0, 1, 2].map((axis) => head[axis] + (top[axis] - head[axis]) * 0.38), high = [0, 1, 2].map((axis) => head[axis] + (top[axis] - head[axis]) * 0.66);
+    capsule(head, low, 0.075, colours.trunk, false);
     capsule(low, high, 0.155, colours.head, false);
   }
   // The trunk between shoulders and hips, so that it has breadth from the front.
@@ -243,9 +245,9 @@ function drawTrunk(context, piece, colour) {
 }
 
 // Centre of mass with its plumb line, ξ and ZMP on the floor.
-function drawMarks(context, camera, clip, frame, flags, plain) {
+function drawMarks(context, camera, clip, frame, flags, plain, floor) {
   const at = (name, height) => camera.project([value(clip, name + '_x', frame), height, value(clip, name + '_z', frame)]);
-  const com = at('com', value(clip, 'com_y', frame)), foot = at('com', clip.floor), xi = at('xi', clip.floor);
+  const com = at('com', value(clip, 'com_y', frame)), foot = at('com', floor), xi = at('xi', floor);
   const alarmed = flags.some((flag) => !flag.foot);
   context.lineWidth = 1.3;
   context.strokeStyle = colours.com;
@@ -262,7 +264,7 @@ function drawMarks(context, camera, clip, frame, flags, plain) {
   context.lineTo(xi[0], xi[1]);
   context.stroke();
   disc(context, xi, plain ? 3 : 5, colours.xi, colours.card);
-  if (state(clip, 'supported', frame) > 0 && !plain) disc(context, at('zmp', clip.floor), 4.5, colours.zmp, colours.card);
+  if (state(clip, 'pressed', frame) > 0 && !plain) disc(context, at('zmp', floor), 4.5, colours.zmp, colours.card);
   if (alarmed) {
     context.globalAlpha = 0.28;
     disc(context, com, plain ? 14 : 22, colours.flagged, colours.flagged);

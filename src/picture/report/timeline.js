@@ -1,10 +1,10 @@
 // Flags, contacts and curves over one axis of time, with the playhead. Frames in, CSS pixels out.
 const GUTTER = 148, RIGHT = 10;
 const LANES = [
-  { name: 'Margin of stability', curves: [['margin', 'xi']], unit: 'cm', times: 100, needs: 'supported', zero: true, height: 62 },
-  { name: 'Speed', curves: [['speed', 'accent']], unit: 'm/s', times: 1, zero: true, height: 52 },
-  { name: 'Centre of mass', curves: [['com_y', 'ink']], unit: 'm', times: 1, height: 52 },
-  { name: 'Sole heights', curves: [['sole_left', 'left'], ['sole_right', 'right']], unit: 'cm', times: 100, zero: true, height: 62 },
+  { name: 'Margin of stability', curves: [['margin', 'xi']], least: 0.12, unit: 'cm', times: 100, needs: 'supported', zero: true, height: 62 },
+  { name: 'Speed', curves: [['speed', 'accent']], least: 0.5, unit: 'm/s', times: 1, zero: true, height: 52 },
+  { name: 'Centre of mass', curves: [['com_y', 'ink']], least: 0.12, unit: 'm', times: 1, height: 52 },
+  { name: 'Sole heights', curves: [['sole_left', 'left'], ['sole_right', 'right']], least: 0.08, unit: 'cm', times: 100, zero: true, height: 62 },
 ];
 
 class Timeline {
@@ -60,6 +60,7 @@ class Timeline {
       high = Math.max(high, values[Math.ceil(values.length * 0.997) - 1]);
     }
     if (!(high > low)) [low, high] = [Number.isFinite(low) ? low - 0.01 : 0, Number.isFinite(low) ? low + 0.01 : 1];
+    if (high - low < lane.least) [low, high] = lane.zero ? [low - lane.least * 0.2, high + lane.least * 0.8] : [low - lane.least / 2, high + lane.least / 2];
     const room = Math.max((high - low) * 0.08, 0.002);
     return [low - room, high + room];
   }

@@ -125,7 +125,7 @@ class TopView {
       if (bad && (this.scale > 100 || Math.abs(step.touch_down - frame) < clip.fps)) this.label(step);
     }
     disc(context, this.place([value(clip, 'xi_x', frame), value(clip, 'xi_z', frame)]), 5, colours.xi, colours.card);
-    if (state(clip, 'supported', frame) > 0) disc(context, this.place([value(clip, 'zmp_x', frame), value(clip, 'zmp_z', frame)]), 4.5, colours.zmp, colours.card);
+    if (state(clip, 'pressed', frame) > 0) disc(context, this.place([value(clip, 'zmp_x', frame), value(clip, 'zmp_z', frame)]), 4.5, colours.zmp, colours.card);
     disc(context, this.place([value(clip, 'com_x', frame), value(clip, 'com_z', frame)]), 5.5, colours.com, colours.card);
   }
 
