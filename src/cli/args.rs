@@ -6,8 +6,10 @@ use std::path::PathBuf;
 /// Reactive stepping and balance, baked into glTF animation clips.
 #[derive(Debug, Parser)]
 #[command(name = "surefoot", version, about, max_term_width = 100)]
-#[command(after_help = "Exit codes: 0 done (a fall is a result too); 1 bake --require-balance fell, or audit --strict found flags; 2 bad \
-                        usage or input; 3 the work could not be completed.")]
+#[command(
+    after_help = "Exit codes: 0 done (a fall is a result too); 1 bake --require-balance fell, or audit --strict found flags; 2 bad \
+                        usage or input; 3 the work could not be completed."
+)]
 pub struct Args {
     /// What to do.
     #[command(subcommand)]

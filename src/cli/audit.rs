@@ -50,8 +50,11 @@ pub struct Unread {
 pub fn run(args: &AuditArgs) -> Result<Exit, Failure> {
     let (files, several) = clip_files::expand(&args.clips)?;
     let json_file = args.json.as_ref().filter(|path| path.as_os_str() != "-");
-    let outputs: Vec<&Path> =
-        [json_file, args.csv.as_ref(), args.html.as_ref(), args.write_waivers.as_ref()].into_iter().flatten().map(PathBuf::as_path).collect();
+    let outputs: Vec<&Path> = [json_file, args.csv.as_ref(), args.html.as_ref(), args.write_waivers.as_ref()]
+        .into_iter()
+        .flatten()
+        .map(PathBuf::as_path)
+        .collect();
     let mut inputs: Vec<PathBuf> = Vec::new();
     for file in &files {
         inputs.push(file.path.clone());
@@ -101,7 +104,10 @@ fn finish(args: &AuditArgs, clips: &[Audited], unread: &[Unread]) -> Result<Exit
         0 => {}
         count => {
             let exit = if broke_down { Exit::Failed } else { Exit::BadInput };
-            return Err(Failure { exit, message: format!("{count} of {} clips could not be read", count + clips.len()) });
+            return Err(Failure {
+                exit,
+                message: format!("{count} of {} clips could not be read", count + clips.len()),
+            });
         }
     }
     if clips.is_empty() {

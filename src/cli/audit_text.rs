@@ -3,8 +3,8 @@
 use super::audit::{Audited, Unread};
 use crate::model::findings::{Findings, Rule};
 
-/// Abstentions and unread files past that many are counted, not listed.
-const MOST_LISTED: usize = 12;
+/// Spans of one abstention past that many are counted, not listed.
+const MOST_LISTED: usize = 6;
 
 /// One clip.
 pub fn clip(clip: &Audited) -> String {
@@ -49,13 +49,7 @@ pub fn clip(clip: &Audited) -> String {
         text.push('\n');
     }
     text.push_str(&steps(findings));
-    for (index, span) in findings.abstained.iter().enumerate().take(MOST_LISTED) {
-        let head = if index == 0 { "abstained" } else { "" };
-        text.push_str(&format!("{head:<11}frames {}: {}\n", frames(findings, span.start, span.end), span.why));
-    }
-    if findings.abstained.len() > MOST_LISTED {
-        text.push_str(&format!("{:<11}and {} more\n", "", findings.abstained.len() - MOST_LISTED));
-    }
+    text.push_str(&abstained(findings));
     for (index, note) in findings.notes.iter().enumerate() {
         text.push_str(&format!("{:<11}{note}\n", if index == 0 { "note" } else { "" }));
     }
@@ -69,7 +63,8 @@ pub fn summary(clips: &[Audited], unread: &[Unread]) -> String {
         let clip_flags = clip.findings.clip_flags.iter().map(|flag| flag.rule).zip(&clip.waived.clip_flags);
         flags.chain(clip_flags).filter(|(other, reason)| *other == rule && reason.is_none()).count()
     };
-    let rules: Vec<Rule> = Rule::ALL.into_iter().filter(|rule| clips.iter().any(|clip| count(clip, *rule) > 0)).collect();
+    let rules: Vec<Rule> =
+        Rule::ALL.into_iter().filter(|rule| clips.iter().any(|clip| count(clip, *rule) > 0)).collect();
     let mut rows: Vec<Vec<String>> = Vec::new();
     let mut head = vec!["clip".to_owned(), "seconds".to_owned()];
     head.extend(rules.iter().map(|rule| rule.name().to_owned()));
@@ -193,7 +188,8 @@ fn worst(clip: &Audited) -> String {
             format!("{}{foot}{off} at {}-{}", flag.rule.name(), flag.start, flag.end)
         }
         None => {
-            let standing = clip.findings.clip_flags.iter().zip(&clip.waived.clip_flags).find(|(_, reason)| reason.is_none());
+            let standing =
+                clip.findings.clip_flags.iter().zip(&clip.waived.clip_flags).find(|(_, reason)| reason.is_none());
             standing.map(|(flag, _)| format!("{} of the whole clip", flag.rule.name())).unwrap_or_default()
         }
     }
@@ -211,8 +207,31 @@ fn steps(findings: &Findings) -> String {
     }
 }
 
-fn frames(findings: &Findings, start: usize, end: usize) -> String {
-    format!("{start}-{end} ({:.2}-{:.2} s)", start as f64 / findings.fps, end as f64 / findings.fps)
+/// A line a reason, in the order of their first frames.
+fn abstained(findings: &Findings) -> String {
+    let mut reasons: Vec<&str> = Vec::new();
+    for span in &findings.abstained {
+        if !reasons.contains(&span.why.as_str()) {
+            reasons.push(&span.why);
+        }
+    }
+    let mut text = String::new();
+    for (index, why) in reasons.into_iter().enumerate() {
+        let spans: Vec<String> = findings
+            .abstained
+            .iter()
+            .filter(|span| span.why == why)
+            .map(|span| format!("{}-{}", span.start, span.end))
+            .collect();
+        let more = match spans.len().saturating_sub(MOST_LISTED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let shown = spans[..spans.len().min(MOST_LISTED)].join(", ");
+        let head = if index == 0 { "abstained" } else { "" };
+        text.push_str(&format!("{head:<11}{why}: frames {shown}{more}\n"));
+    }
+    text
 }
 
 /// Empty where the rule measures no length.

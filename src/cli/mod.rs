@@ -57,7 +57,7 @@ fn dispatch(command: Command) -> Result<Exit, Failure> {
         Command::Inspect(args) => inspect::run(&args),
         Command::New(args) => new::run(&args),
         Command::Sheet(args) => sheet::run(&args),
-                Command::Audit(args) => audit::run(&args),
+        Command::Audit(args) => audit::run(&args),
         Command::Correct(_) => Err(not_yet("correct")),
         Command::Batch(_) => Err(not_yet("batch")),
         Command::Studio(_) => Err(not_yet("studio")),

@@ -197,7 +197,8 @@ impl Waiver {
 
 /// A file that waives every flag of those clips; a reason that was given before is kept.
 pub fn write(clips: &[(&Path, &Findings, &Waived)]) -> String {
-    let mut text = "# Flags that were seen and accepted: say why in `reason`, delete what shall be flagged again.\n".to_owned();
+    let mut text =
+        "# Flags that were seen and accepted: say why in `reason`, delete what shall be flagged again.\n".to_owned();
     for (path, findings, waived) in clips {
         let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
@@ -304,7 +305,10 @@ mod tests {
             (format!("{entry}rule = \"float\"\nframes = [4, 2]"), "w.toml:5: frames is [first, last]"),
             (format!("{entry}rule = \"float\"\nframes = [1]"), "w.toml:5:"),
             (format!("{entry}rule = \"float\"\nframe = 1"), "w.toml:5: unknown field `frame`"),
-            ("[[waive]]\nclip = \"a\"\nrule = \"float\"\nreason = \" \"".to_owned(), "w.toml:4: a waiver needs its reason"),
+            (
+                "[[waive]]\nclip = \"a\"\nrule = \"float\"\nreason = \" \"".to_owned(),
+                "w.toml:4: a waiver needs its reason",
+            ),
             ("[[waive]]\nclip = \"a\"\nrule = \"float\"".to_owned(), "missing field `reason`"),
             ("x = ".to_owned(), "w.toml:1:"),
         ] {

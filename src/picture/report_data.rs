@@ -56,7 +56,8 @@ fn at_stride(view: &ClipView, shown: &[usize], stride: usize) -> String {
         }
         (value, _) => value,
     };
-    let flags: Vec<Value> = findings.flags.iter().zip(view.waived).map(|(flag, reason)| waived(json!(flag), reason)).collect();
+    let flags: Vec<Value> =
+        findings.flags.iter().zip(view.waived).map(|(flag, reason)| waived(json!(flag), reason)).collect();
     let clip_flags: Vec<Value> =
         findings.clip_flags.iter().zip(view.waived_clip).map(|(flag, reason)| waived(json!(flag), reason)).collect();
     let head = json!({
@@ -94,8 +95,22 @@ fn table(text: &mut String, name: &str, rows: &[Vec<i64>]) {
 
 /// Columns of `curves`. `pressed` and `supported` are 1 where there is a ZMP and a margin, parts -1 where the foot does not bear.
 const CURVES: [&str; 16] = [
-    "speed", "com_x", "com_y", "com_z", "xi_x", "xi_z", "zmp_x", "zmp_z", "pressed", "margin", "supported", "part_left", "part_right",
-    "sole_left", "sole_right", "floor",
+    "speed",
+    "com_x",
+    "com_y",
+    "com_z",
+    "xi_x",
+    "xi_z",
+    "zmp_x",
+    "zmp_z",
+    "pressed",
+    "margin",
+    "supported",
+    "part_left",
+    "part_right",
+    "sole_left",
+    "sole_right",
+    "floor",
 ];
 
 fn curves(row: &FrameRow) -> [i64; 16] {
@@ -128,7 +143,8 @@ fn curves(row: &FrameRow) -> [i64; 16] {
 
 /// The joints that a stick figure needs: no fingers, eyes, jaw.
 fn shown_joints(capture: &Capture) -> Vec<usize> {
-    let drawn = |role: Role| !matches!(role, Role::Jaw | Role::LeftEye | Role::RightEye) && role < Role::LeftThumbMetacarpal;
+    let drawn =
+        |role: Role| !matches!(role, Role::Jaw | Role::LeftEye | Role::RightEye) && role < Role::LeftThumbMetacarpal;
     (0..capture.body.joints.len()).filter(|joint| drawn(capture.body.joints[*joint].role)).collect()
 }
 
@@ -137,7 +153,8 @@ fn places(capture: &Capture, shown: &[usize], row: &FrameRow) -> Vec<i64> {
     let at = capture.at(row.frame);
     let mut points: Vec<DVec3> = shown.iter().map(|joint| at[*joint]).collect();
     let head = capture.body.joint(Role::Head).unwrap_or(0);
-    let over = (capture.body.height - capture.body.joints[head].rest.y).clamp(0.08 * capture.body.height, capture.body.height);
+    let over =
+        (capture.body.height - capture.body.joints[head].rest.y).clamp(0.08 * capture.body.height, capture.body.height);
     points.push(capture.rigid_point(row.frame, head, DVec3::Y * over));
     points.extend(row.outlines.iter().flatten());
     points.iter().flat_map(|point| point.to_array()).map(mm).collect()

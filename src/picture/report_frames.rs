@@ -3,8 +3,8 @@
 //! Clip space (metres, Y up), s. The ZMP is the audit's; the margin is the distance from ξ to the edge of
 //! the soles that bear, positive inside. Soles are the outline of heel, ball and tip. Judges nothing.
 
-use crate::audit::contacts::{Footfalls, footfalls};
 use crate::audit::balance::{Balance, balance};
+use crate::audit::contacts::{Footfalls, footfalls};
 use crate::audit::track::{Track, without_pose};
 use crate::maths::hull::{convex_hull, signed_distance};
 use crate::maths::pendulum;
@@ -101,7 +101,8 @@ fn row(
 /// m, (x, z): the corners of the part of a sole that bears.
 fn sole_corners(track: &Track, side: Side, part: &str, frame: usize) -> Vec<DVec2> {
     let [heel, ball, tip] = track.feet[side as usize].points[frame].map(|point| DVec2::new(point.x, point.z));
-    let across = (tip - heel).try_normalize().unwrap_or(DVec2::Y).perp() * track.capture.body.feet[side as usize].half_width;
+    let across =
+        (tip - heel).try_normalize().unwrap_or(DVec2::Y).perp() * track.capture.body.feet[side as usize].half_width;
     let middle = match part {
         "heel" => vec![heel, heel.lerp(tip, 1.0 / 3.0)],
         "ball" => vec![ball, tip],

@@ -82,7 +82,9 @@ mod tests {
     #[test]
     fn the_page_asks_the_network_for_nothing() {
         let page = report_page("a", &[]);
-        for way_out in ["http://", "https://", "src=", "href=", "@import", "url(", "fetch(", "XMLHttpRequest", "innerHTML"] {
+        for way_out in
+            ["http://", "https://", "src=", "href=", "@import", "url(", "fetch(", "XMLHttpRequest", "innerHTML"]
+        {
             assert!(!page.contains(way_out), "{way_out}");
         }
         assert!(page.contains("default-src 'none'"), "and may not");

@@ -97,9 +97,13 @@ function showSteps(clip, seek) {
 }
 
 function showNotes(clip, seek) {
-  const notes = clip.abstained.map((span) => {
-    const link = element('button', { onclick: () => seek(span.start) }, `frames ${span.start}-${span.end}`);
-    return element('li', {}, link, ' not judged: ' + span.why);
+  // One line a reason, with a button a span.
+  const reasons = [...new Set(clip.abstained.map((span) => span.why))];
+  const notes = reasons.map((why) => {
+    const spans = clip.abstained.filter((span) => span.why === why);
+    const buttons = spans.slice(0, 60).map((span) => element('button', { class: 'small', onclick: () => seek(span.start) }, `${span.start}-${span.end}`));
+    const more = spans.length - buttons.length;
+    return element('li', {}, 'not judged, ' + why + ': frames ', ...buttons, more > 0 ? ` and ${more} spans more` : '');
   });
   notes.push(element('li', {}, `file ${clip.file}; bones found by ${clip.method}`));
   if (clip.stride > 1) notes.push(element('li', {}, `the clip is long: this page keeps every ${clip.stride}th frame of its motion and curves; flags, contacts and steps are exact`));
@@ -114,7 +118,7 @@ function showThumbs(clip, seek) {
   byId('thumbs').replaceChildren(...worst.map(({ flag }) => {
     const frame = tellingFrame(clip, flag), canvas = element('canvas');
     const words = element('div', { style: { borderTopColor: colours[flag.rule] } },
-      element('b', {}, [flag.rule, flag.foot].filter(Boolean).join(', ')), `frame ${frame} \u00b7 ${seconds(clip, frame)}  ${centimetres(flag.delta_m)}`);
+      element('b', {}, [flag.rule, flag.foot].filter(Boolean).join(', ')), `frame ${frame}` + (flag.delta_m ? ` \u00b7 ${centimetres(flag.delta_m)}` : ''));
     const card = element('button', { class: 'thumb', onclick: () => seek(frame), title: flag.why }, canvas, words);
     requestAnimationFrame(() => drawThumb(canvas, clip, frame, flag));
     return card;
@@ -125,7 +129,7 @@ function drawThumb(canvas, clip, frame, flag) {
   const { context, width, height } = canvasOf(canvas);
   const side = flag.foot === 'right' ? -1 : 1;
   const camera = new Camera(facing(clip, frame) + side * 1.05, 0.2, 2.95 * clip.size);
-  Object.assign(camera, { width, height, target: [value(clip, 'com_x', frame), value(clip, 'floor', frame) + 0.47 * clip.height, value(clip, 'com_z', frame)] });
+  Object.assign(camera, { width, height, target: [value(clip, 'com_x', frame), middleOf(clip, frame), value(clip, 'com_z', frame)] });
   drawScene(context, camera, clip, frame, true, flag);
 }
 
@@ -158,6 +162,8 @@ function showLegends() {
   const entry = (colour, words, kind) => element('span', {}, element('i', { class: kind ?? '', style: { background: colour, borderColor: colour } }), words);
   byId('stage-legend').replaceChildren(entry(colours.left, 'left'), entry(colours.right, 'right'), entry(colours.flagged, 'flagged'),
     entry(colours.com, 'centre of mass', 'dot'), entry(colours.xi, '\u03be, where it is heading', 'dot'), entry(colours.zmp, 'pressure (ZMP)', 'dot'));
+  const parts = ['left', 'right'].flatMap((foot) => [entry(colours[foot + '-heel'], foot + ' heel'), entry(colours[foot], 'flat'), entry(colours[foot + '-ball'], 'ball')]);
+  byId('time-legend').replaceChildren(...parts, ...(clips.some((clip) => clip.abstained.length) ? [entry(colours.faint, 'not judged, or waived')] : []));
   byId('top-legend').replaceChildren(entry(colours.left, 'left'), entry(colours.right, 'right'), entry(colours.soft, 'predicted', 'ring'),
     entry(colours.com, 'centre of mass'), entry(colours.xi, '\u03be'));
 }

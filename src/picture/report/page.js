@@ -47,7 +47,7 @@ function seek(to) {
 function draw() {
   if (!clip) return;
   const { context, width, height } = canvasOf(stage);
-  Object.assign(camera, { width, height, target: [value(clip, 'com_x', frame), value(clip, 'floor', frame) + 0.47 * clip.height, value(clip, 'com_z', frame)] });
+  Object.assign(camera, { width, height, target: [value(clip, 'com_x', frame), middleOf(clip, frame), value(clip, 'com_z', frame)] });
   drawScene(context, camera, clip, frame, false);
   topView.draw(frame);
   timeline.draw(frame);

@@ -283,6 +283,11 @@ function disc(context, place, radius, fill, rim) {
   context.stroke();
 }
 
+// m, the height that a camera looks at: the middle of a body on the ground, higher where it jumps.
+function middleOf(clip, frame) {
+  return Math.max(value(clip, 'floor', frame) + 0.47 * clip.height, value(clip, 'com_y', frame) - 0.1 * clip.height);
+}
+
 // rad, where the pelvis looks in a frame: 0 is Z, a quarter turn X.
 function facing(clip, frame) {
   const points = pose(clip, frame), left = points[clip.role.leftUpperLeg], right = points[clip.role.rightUpperLeg];
