@@ -30,13 +30,17 @@ const FIGURE: [(&str, &str, [f64; 3]); 19] = [
     ("RightToeBase", "RightFoot", [0.0, -6.0, 13.0]),
 ];
 
-/// A figure that stands for 4 s at 30 fps, and from the second second on glides ahead at so many cm/s for one second.
-fn gliding(speed: f64) -> String {
+/// A figure that stands for 4 s at 30 fps. From the second second on, for one second, the whole of it glides ahead at so many cm/s, and
+/// its left foot at so many besides.
+fn gliding(whole: f64, foot: f64) -> String {
     fn joint(name: &str, depth: usize, text: &mut String) {
         let (_, _, [x, y, z]) = FIGURE.iter().find(|joint| joint.0 == name).expect("a joint of the figure");
         let pad = "  ".repeat(depth);
         let (kind, channels) = match depth {
             0 => ("ROOT", "CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation"),
+            _ if name == "LeftFoot" => {
+                ("JOINT", "CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation")
+            }
             _ => ("JOINT", "CHANNELS 3 Zrotation Xrotation Yrotation"),
         };
         text.push_str(&format!("{pad}{kind} {name}\n{pad}{{\n{pad}OFFSET {x} {y} {z}\n{pad}{channels}\n"));
@@ -59,10 +63,12 @@ fn gliding(speed: f64) -> String {
     let mut text = "HIERARCHY\n".to_owned();
     joint("Hips", 0, &mut text);
     text.push_str("MOTION\nFrames: 120\nFrame Time: 0.0333333\n");
-    let zeros = " 0".repeat(3 * FIGURE.len());
+    let zeros = |joints: usize| " 0".repeat(3 * joints);
+    let foot_at = FIGURE.iter().position(|joint| joint.0 == "LeftFoot").expect("a joint of the figure");
     for frame in 0..120 {
-        let ahead = speed * (f64::from(frame) / 30.0 - 2.0).clamp(0.0, 1.0);
-        text.push_str(&format!("0 94 {ahead:.4}{zeros}\n"));
+        let ahead = (f64::from(frame) / 30.0 - 2.0).clamp(0.0, 1.0);
+        let (root, foot) = (whole * ahead, foot * ahead);
+        text.push_str(&format!("0 94 {root:.4}{} 0 -41 {foot:.4}{}\n", zeros(foot_at), zeros(FIGURE.len() - foot_at)));
     }
     text
 }
@@ -80,8 +86,8 @@ impl Shell {
     /// A folder with a clip that stands (`a_stands.bvh`) and one whose feet slide (`b_slides.bvh`).
     fn new() -> Shell {
         let shell = Shell { folder: tempfile::tempdir().expect("a folder for the test") };
-        shell.put("a_stands.bvh", &gliding(0.0));
-        shell.put("b_slides.bvh", &gliding(30.0));
+        shell.put("a_stands.bvh", &gliding(0.0, 0.0));
+        shell.put("b_slides.bvh", &gliding(0.0, 30.0));
         shell
     }
 
@@ -137,11 +143,11 @@ fn a_clip_that_stands_has_no_flags_and_one_that_slides_has() {
     let told = shell.audit(&["b_slides.bvh"], 0);
     assert!(told.out.contains("foot-slide  left") && told.out.contains("cm  "), "{}", told.out);
     let found = shell.json(&["b_slides.bvh"], 0);
-    for foot in ["left", "right"] {
-        let flags = found["flags"].as_array().expect("flags");
-        let slide = flags.iter().find(|flag| flag["rule"] == "foot-slide" && flag["foot"] == foot).expect(foot);
-        assert!((slide["delta_m"].as_f64().expect("metres") - 0.3).abs() < 0.03, "{slide}");
-    }
+    let flags = found["flags"].as_array().expect("flags");
+    let slide =
+        flags.iter().find(|flag| flag["rule"] == "foot-slide" && flag["foot"] == "left").expect("the left foot's");
+    assert!((slide["delta_m"].as_f64().expect("metres") - 0.3).abs() < 0.03, "{slide}");
+    assert!(flags.iter().all(|flag| flag["foot"] != "right"), "the right one stands: {found}");
 }
 
 #[test]
@@ -197,9 +203,13 @@ fn waived_flags_are_shown_as_such_and_do_not_count() {
     let flags = found["flags"].as_array().expect("flags");
     assert!(!flags.is_empty() && flags.iter().all(|flag| flag["waived"] == "seen and accepted"), "{found}");
 
-    shell.put("one.toml", "[[waive]]\nclip = \"b_*\"\nrule = \"foot-slide\"\nfoot = \"left\"\nreason = \"ice\"\n");
-    let told = shell.audit(&["b_slides.bvh", "--strict", "--waive", "one.toml"], 1);
+    let ice =
+        |foot: &str| format!("[[waive]]\nclip = \"b_*\"\nrule = \"foot-slide\"\nfoot = \"{foot}\"\nreason = \"ice\"\n");
+    shell.put("one.toml", &ice("left"));
+    let told = shell.audit(&["b_slides.bvh", "--strict", "--waive", "one.toml"], 0);
     assert!(told.out.contains("[waived: ice]"), "{}", told.out);
+    shell.put("other.toml", &ice("right"));
+    shell.audit(&["b_slides.bvh", "--strict", "--waive", "other.toml"], 1);
     let told = shell.audit(&["a_stands.bvh", "--waive", "one.toml"], 0);
     assert!(told.err.contains("warning: one.toml:1:") && told.err.contains("covers no flag"), "{}", told.err);
     shell.put("bad.toml", "[[waive]]\nclip = \"b\"\nrule = \"slide\"\nreason = \"x\"\n");
@@ -211,7 +221,7 @@ fn waived_flags_are_shown_as_such_and_do_not_count() {
 fn folders_and_patterns_are_looked_through_in_order_whatever_the_jobs() {
     let shell = Shell::new();
     fs::create_dir(shell.path("more")).expect("made");
-    shell.put("more/c.bvh", &gliding(12.0));
+    shell.put("more/c.bvh", &gliding(12.0, 0.0));
     shell.put("more/notes.txt", "no clip");
     let outputs = |jobs: &str| {
         let told = shell.audit(
@@ -255,7 +265,7 @@ fn folders_and_patterns_are_looked_through_in_order_whatever_the_jobs() {
 #[test]
 fn what_cannot_be_read_is_told_and_the_rest_goes_on() {
     let shell = Shell::new();
-    shell.put("broken.bvh", &gliding(0.0).replacen("Frames: 120", "Frames: 500", 1));
+    shell.put("broken.bvh", &gliding(0.0, 0.0).replacen("Frames: 120", "Frames: 500", 1));
     let told = shell.audit(&[".", "--json", "found.json"], 2);
     assert!(
         told.out.contains("a_stands") && told.out.contains("b_slides") && told.out.contains("1 could not be read"),
@@ -294,15 +304,27 @@ fn an_input_is_never_overwritten() {
 #[test]
 fn the_table_has_a_row_a_frame_with_its_flags() {
     let shell = Shell::new();
-    shell.audit(&["b_slides.bvh", "--csv", "b.csv"], 0);
-    let text = shell.text("b.csv");
+    shell.put("glides.bvh", &gliding(30.0, 0.0));
+    shell.audit(&["glides.bvh", "--csv", "g.csv"], 0);
+    let found = shell.json(&["glides.bvh"], 0);
+    let text = shell.text("g.csv");
     let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
     let head = "frame,time,com_x,com_y,com_z,speed,xi_x,xi_z,zmp_x,zmp_z,margin,left_contact,right_contact,\
                 left_sole_height,right_sole_height,flags,clip,file";
     assert_eq!(lines[0], head.split(',').collect::<Vec<_>>());
     assert_eq!((lines.len(), lines[1].len()), (121, 18));
     let cell = |frame: usize, name: &str| lines[frame + 1][lines[0].iter().position(|head| *head == name).expect(name)];
-    assert_eq!((cell(0, "left_contact"), cell(0, "flags"), cell(75, "flags")), ("flat", "", "foot-slide"));
+    assert_eq!((cell(0, "left_contact"), cell(75, "right_contact")), ("flat", "flat"));
+    let flags = found["flags"].as_array().expect("flags");
+    assert!(!flags.is_empty(), "a figure that glides without a step");
+    for frame in 0..120 {
+        let within = |flag: &&Value| flag["start"].as_u64() <= Some(frame) && Some(frame) <= flag["end"].as_u64();
+        let rules: std::collections::BTreeSet<&str> =
+            flags.iter().filter(within).filter_map(|flag| flag["rule"].as_str()).collect();
+        let told: std::collections::BTreeSet<&str> =
+            cell(frame as usize, "flags").split('|').filter(|rule| !rule.is_empty()).collect();
+        assert_eq!(told, rules, "frame {frame}");
+    }
     let number = |frame: usize, name: &str| cell(frame, name).parse::<f64>().expect(name);
     assert!((number(75, "speed") - 0.3).abs() < 0.03, "it glides at 0.3 m/s");
     assert!((number(119, "com_z") - number(0, "com_z") - 0.3).abs() < 0.005, "0.3 m on");
@@ -317,7 +339,7 @@ fn the_table_has_a_row_a_frame_with_its_flags() {
 fn hostile_names_stay_names() {
     let shell = Shell::new();
     let name = "\u{1b}[31m<img src=x onerror=alert(1)>\"&.bvh";
-    shell.put(name, &gliding(30.0));
+    shell.put(name, &gliding(0.0, 30.0));
     let told = shell.audit(&[name, "--html", "h.html", "--csv", "h.csv", "--write-waivers", "h.toml"], 0);
     assert!(!told.out.contains('\u{1b}') && !told.err.contains('\u{1b}'), "no colour of the file's own");
     let page = shell.text("h.html");
@@ -331,7 +353,7 @@ fn a_hostile_clip_name_cannot_leave_the_pages_data() {
     use surefoot::audit::{AuditOptions, audit};
     use surefoot::picture::report_frames::frame_rows;
     use surefoot::picture::report_page::{ClipView, clip_json, report_page};
-    let mut capture = surefoot::mocap::read_bvh("x.bvh", &gliding(30.0)).expect("a clip");
+    let mut capture = surefoot::mocap::read_bvh("x.bvh", &gliding(0.0, 30.0)).expect("a clip");
     capture.name = "</script><img src=x onerror=alert(1)><script>alert(2)</script>\u{2028}{{data}}".to_owned();
     capture.notes.push("<b onmouseover=alert(3)>".to_owned());
     let findings = audit(&capture, &AuditOptions::default());

@@ -189,7 +189,8 @@ impl Waiver {
     fn covers(&self, flag: &Flag) -> bool {
         let frames = self.frames.is_none_or(|(first, last)| {
             let (from, to) = (flag.start.max(first), flag.end.min(last));
-            to >= from && 2 * (to - from + 1) >= flag.end.saturating_sub(flag.start) + 1
+            let frames = flag.end.saturating_sub(flag.start) + 1;
+            to >= from && 2 * (to - from + 1) >= frames
         });
         frames && self.rule == flag.rule && self.foot.as_deref().is_none_or(|foot| flag.foot == Some(foot))
     }
