@@ -46,6 +46,8 @@ pub fn of(leg: f64, height: f64, said: f64) -> Unit {
     let far = |(unit, less): &(f64, f64)| (leg * unit / LEG).ln().abs() + less;
     let fitting = UNITS.iter().filter(|(unit, _)| person(*unit));
     match fitting.min_by(|a, b| far(a).total_cmp(&far(b))) {
+        // Centimetres where nothing was said are nothing to tell.
+        Some((unit, _)) if said == 1.0 && [0.01, 0.001].contains(unit) => Unit { metres: *unit, note: None },
         Some((unit, _)) => {
             Unit { metres: *unit, note: Some(format!("a leg is {leg:.2} units long: taken as {unit:.4} m each")) }
         }
@@ -109,7 +111,7 @@ mod tests {
         }
         assert_eq!(of(85.0, 170.0, 0.01), Unit { metres: 0.01, note: None }, "as the file says");
         assert_eq!(of(0.85, 1.7, 0.01).metres, 1.0, "the file says centimetres, but that is no body");
-        let odd = of(3.1, 6.5, 1.0);
-        assert!((odd.metres * 3.1 - LEG).abs() < 1e-9 && odd.note.is_some_and(|note| note.contains("no known unit")));
+        let odd = of(5.0, 10.6, 1.0);
+        assert!((odd.metres * 5.0 - LEG).abs() < 1e-9 && odd.note.is_some_and(|note| note.contains("no known unit")));
     }
 }
