@@ -22,10 +22,16 @@ const GAP: f64 = 0.05;
 const LIFT: f64 = 0.03;
 /// m.
 const SLID: f64 = 0.3;
+/// s.
+const LONGEST_GAP: f64 = 0.4;
+/// m and s: nor was one that rises with the whole body and comes down where it was, or is still there.
+const LIFTED: f64 = 0.075;
 /// m.
 const STAYED: f64 = 0.1;
 /// s.
-const LONGEST_GAP: f64 = 0.4;
+const SHORT_GAP: f64 = 0.2;
+/// s: a foot that is still higher than [`REACH`] must be so for that long: at the top of a jump feet are still for 0.1 s.
+const HIGH: f64 = 0.16;
 /// m: heights of contacts that differ by more stand on different floors.
 const SAME_FLOOR: f64 = 0.035;
 
@@ -158,7 +164,7 @@ fn floors(track: &Track) -> [f64; 2] {
     let common = mode(&both, 0.01 * track.size());
     each.map(|heights| {
         let own = if heights.len() * 8 >= both.len() { mode(&heights, 0.01 * track.size()) } else { common };
-        if (own - common).abs() < SAME_FLOOR * track.size() { own } else { common }
+        if (own - common).abs() < 1.5 * SAME_FLOOR * track.size() { own } else { common }
     })
 }
 
@@ -213,6 +219,11 @@ fn contacts_of(track: &Track, side: Side, floor: f64) -> Vec<Contact> {
         }
     }
     spans.extend(open.map(|start| (start, frames - 1)));
+    let high = (HIGH * track.capture.fps * track.tempo()).ceil() as usize;
+    spans.retain(|(start, end)| {
+        let lowest = foot.low[*start..=*end].iter().copied().fold(f64::MAX, f64::min);
+        lowest - floor < reach || end - start + 1 >= high
+    });
     let least = |seconds: f64| (seconds * track.capture.fps * track.tempo()).round() as usize;
     let mut merged: Vec<(usize, usize)> = Vec::new();
     for span in spans {
@@ -233,10 +244,11 @@ fn is_no_swing(track: &Track, side: Side, before: (usize, usize), after: (usize,
     let (from, to) = (before.1, after.0);
     let seconds = (to - from) as f64 / track.capture.fps / track.tempo();
     let travel = foot.place(from).distance(foot.place(to)) / track.size();
-    let level = foot.low[from].max(foot.low[to]);
+    let level = foot.low[from].min(foot.low[to]);
     let rise = foot.low[from..=to].iter().map(|low| low - level).fold(0.0, f64::max) / track.size();
     let swings = (from..=to).any(|frame| other.still[frame] > 1.2 * track.tempo());
-    rise < LIFT && seconds < LONGEST_GAP && if swings { travel < SLID } else { travel < STAYED }
+    let slides = swings && rise < LIFT && seconds < LONGEST_GAP && travel < SLID;
+    slides || (rise < LIFTED && seconds < SHORT_GAP && travel < STAYED)
 }
 
 fn contact(track: &Track, side: Side, start: usize, end: usize, on: f64) -> Contact {

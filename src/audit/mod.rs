@@ -49,9 +49,9 @@ pub fn audit(capture: &Capture, options: &AuditOptions) -> Findings {
     let judged = placement::judge(&track, &taken);
     let balance = balance::balance(&track, &feet);
     let mut marks = placement::marks(&feet, &judged);
-    marks.extend(sole::marks(&track, &feet));
+    marks.extend(sole::marks(&track, &feet).into_iter().filter(|mark| domain.stands_in(mark.start, mark.end)));
     marks.extend(balance::marks(&track, &balance, &domain));
-    marks.extend(flight::marks(&track, &feet));
+    marks.extend(flight::marks(&track, &feet).into_iter().filter(|mark| domain.stands_in(mark.start, mark.end)));
     marks.retain(|mark| !options.without.contains(&mark.rule));
     marks.sort_by_key(|mark| (mark.start, mark.end, mark.rule));
     findings.flags = marks.iter().map(Mark::flag).collect();
