@@ -16,6 +16,8 @@ use glam::DVec2;
 /// m at a leg of 0.83 m and s: out of the support by more for so long is told. People who swing their arms are 0.3 m out for a frame
 /// or two of 30 Hz, and never 0.1 m for longer.
 const OUT: [(f64, f64); 2] = [(0.36, 0.06), (0.13, 0.12)];
+/// m and s: farther out for longer, nothing balances.
+const THROWN: (f64, f64) = (0.7, 0.16);
 /// m: what is out by as much beside such a span belongs to it.
 const BESIDE: f64 = 0.08;
 /// s: so much at either end of a clip is not judged.
@@ -64,6 +66,13 @@ pub fn balance(track: &Track, feet: &Footfalls) -> Vec<Option<Balance>> {
             Some(Balance { zmp, out: signed_distance(&support, zmp) })
         })
         .collect()
+}
+
+/// Spans in which the body is moved as no feet could, for longer than any slip of a hand: what is keyed for effect.
+pub fn thrown(track: &Track, balance: &[Option<Balance>]) -> Vec<(usize, usize)> {
+    let lasts = (THROWN.1 * track.capture.fps).round() as usize;
+    let far = |frame: usize| balance[frame].is_some_and(|found| found.out > THROWN.0 * track.size());
+    super::spans(track.len(), far).into_iter().filter(|(start, end)| end - start >= lasts).collect()
 }
 
 /// Every mark of the rule.

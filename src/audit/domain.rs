@@ -34,6 +34,8 @@ pub enum Reason {
     Pose,
     /// The body walks on the spot.
     InPlace,
+    /// The body goes where no feet could push it.
+    Thrown,
     /// Fast limbs: a blow, a throw, a dance.
     Action,
 }
@@ -47,6 +49,9 @@ impl Reason {
             Reason::InPlace => {
                 "the clip plays in place: the feet go under a body that stays; bake its way into the root to have it judged"
             }
+            Reason::Thrown => {
+                "the body is thrown about as no feet could: keyed action, or something pushes that is not in the clip"
+            }
             Reason::Action => "fast limbs: blows, throws and dance are balanced by more than feet",
             Reason::Pose => "a pose that stands before the motion begins",
             Reason::Unsupported => "no foot bears: what carries the body is not seen",
@@ -55,7 +60,7 @@ impl Reason {
 }
 
 /// m/s at a leg of 0.83 m, of a hand about the hips: faster is no gait.
-const BLOW: f64 = 4.2;
+const BLOW: f64 = 5.0;
 /// s: and so much around it.
 const AROUND: f64 = 0.35;
 /// Cosine of a thigh against straight down: flatter on both sides, the body sits.
@@ -86,10 +91,27 @@ impl Domain {
         self.reasons[..frames].fill(Some(Reason::Pose));
     }
 
+    /// Says nothing of a span for that reason, where there is none yet.
+    pub fn add(&mut self, start: usize, end: usize, reason: Reason) {
+        for slot in &mut self.reasons[start..=end] {
+            *slot = slot.or(Some(reason));
+        }
+    }
+
     /// Whether feet tell anything in most of a span: they do not under a body that sits, lies or walks in place.
     pub fn stands_in(&self, start: usize, end: usize) -> bool {
         let mute = |reason: &&Option<Reason>| {
-            matches!(reason, Some(Reason::Low | Reason::Unsupported | Reason::InPlace | Reason::Pose))
+            matches!(
+                reason,
+                Some(
+                    Reason::Low
+                        | Reason::Unsupported
+                        | Reason::InPlace
+                        | Reason::Pose
+                        | Reason::Action
+                        | Reason::Thrown
+                )
+            )
         };
         2 * self.reasons[start..=end].iter().filter(mute).count() < end - start + 1
     }

@@ -42,12 +42,16 @@ pub fn audit(capture: &Capture, options: &AuditOptions) -> Findings {
     let feet = footfalls(&track);
     let mut domain = domain::domain(&track, &feet);
     domain.begin_after(posed);
+    let balance = balance::balance(&track, &feet);
+    for (start, end) in balance::thrown(&track, &balance) {
+        let around = (0.3 * capture.fps) as usize;
+        domain.add(start.saturating_sub(around), (end + around).min(track.len() - 1), domain::Reason::Thrown);
+    }
     let taken: Vec<_> = placement::taken(&track, &feet)
         .into_iter()
         .filter(|taken| domain.walks_in(feet.contacts[taken.step.from].end, feet.contacts[taken.step.to].start))
         .collect();
     let judged = placement::judge(&track, &taken);
-    let balance = balance::balance(&track, &feet);
     let mut marks = placement::marks(&feet, &judged);
     marks.extend(sole::marks(&track, &feet).into_iter().filter(|mark| domain.stands_in(mark.start, mark.end)));
     marks.extend(balance::marks(&track, &balance, &domain));

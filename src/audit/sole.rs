@@ -54,7 +54,8 @@ fn slides(track: &Track, feet: &Footfalls) -> Vec<Mark> {
     for contact in &feet.contacts {
         let way = slid(track, contact);
         let far = farthest(&way, (WITHIN * track.capture.fps).round() as usize);
-        if far > SLIDE * track.size() {
+        let limit = SLIDE * track.size().max(0.75);
+        if far > limit {
             let other = other_slides(track, feet, contact, &way);
             let rule = if other { Rule::Drift } else { Rule::FootSlide };
             let name = super::foot_name(contact.side);
@@ -74,7 +75,7 @@ fn slides(track: &Track, feet: &Footfalls) -> Vec<Mark> {
                 measured: far,
                 predicted: 0.0,
                 delta: far,
-                limit: SLIDE * track.size(),
+                limit,
                 why,
             });
         }
