@@ -91,6 +91,31 @@ fn who_is_knocked_over_comes_down_whole_and_lies_still() {
 }
 
 #[test]
+fn a_clip_tells_the_peak_torque_of_every_joint_worst_first_and_the_steppers_none() {
+    let told = |baked: &Baked| surefoot::export::events::report_json("clip", &baked.report).expect("numbers");
+    let shove = shoved(300.0, Direction::Left);
+    let (light, hard) = (alone(&shoved(40.0, Direction::Left)), alone(&shove));
+    let torques = &hard.report.torques;
+    println!("{torques:?}");
+    assert_eq!(torques.len(), 14, "every joint of the figure but its root");
+    assert!(torques.windows(2).all(|pair| pair[0].peak_nm >= pair[1].peak_nm));
+    assert!(torques.iter().all(|torque| (torque.share * 500.0 - torque.peak_nm).abs() < 1e-9 && torque.share <= 1.0));
+    assert!(torques[0].joint.contains("Leg") || torques[0].joint.contains("Foot"), "{}", torques[0].joint);
+    let of = |baked: &Baked, joint: &str| {
+        baked.report.torques.iter().find(|torque| torque.joint == joint).map_or(f64::NAN, |torque| torque.peak_nm)
+    };
+    for joint in ["leftUpperLeg", "leftLowerLeg", "leftFoot", "spine", "rightUpperArm"] {
+        let (little, much) = (of(&light, joint), of(&hard, joint));
+        assert!(little > 1.0 && much > little, "{joint}: {little} Nm, then {much}");
+    }
+    let json = told(&hard);
+    assert_eq!(json["torques"][0]["joint"], torques[0].joint.as_str());
+    assert!(json["torques"][13]["peak_nm"].as_f64().is_some_and(|peak| peak > 0.0));
+    let stepper = bake(&built_in(), &shove, &BakeOptions::default()).expect("it bakes");
+    assert!(told(&stepper).get("torques").is_none());
+}
+
+#[test]
 fn who_keeps_balance_has_no_fall_in_the_clip() {
     let baked = alone(&shoved(150.0, Direction::Back));
     assert_ne!(baked.report.outcome, Outcome::Fall);

@@ -5,12 +5,14 @@
 
 use super::contacts::{self, FootContact};
 use super::perform::Performance;
+use super::ragdoll::Driven;
 use super::root_motion::RootMotion;
 use crate::maths::pendulum::GRAVITY;
 use crate::measure::{Findings, Frame, KnownPush, Motion, PushPoint, Setting, measure_in};
-use crate::model::report::{Assist, BodyReport, Contact, Disturbance, Event, Outcome, Plausibility};
+use crate::model::report::{Assist, BodyReport, Contact, Disturbance, Event, JointTorque, Outcome, Plausibility};
 use crate::model::scenario::{GroundKind, Scenario};
 use crate::model::{Body, BodyPose, Clip, ClipReport, Role, Side};
+use crate::ragdoll::control::MOST_TORQUE;
 use crate::rig::Rig;
 use crate::stepper::footing::STAIR_STEP;
 use glam::DVec3;
@@ -93,11 +95,22 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
             let help = driven.run.help;
             Assist { peak_nm: help.torque[0], rms_nm: help.torque[1], peak_n: help.force[0], rms_n: help.force[1] }
         }),
+        torques: performance.articulated.as_ref().map_or(Vec::new(), torques),
         plausibility,
     };
     let mut warnings = warnings(input, outcome);
     warnings.extend(footless);
     (report, findings, warnings)
+}
+
+/// What the joints gave, the hardest worked first.
+fn torques(driven: &Driven) -> Vec<JointTorque> {
+    let one = |(role, peak): &(Role, f64)| JointTorque {
+        joint: role.name().into(),
+        peak_nm: *peak,
+        share: peak / MOST_TORQUE,
+    };
+    driven.run.torques.iter().map(one).collect()
 }
 
 /// What a rig without foot bones costs, said where it costs something.

@@ -6,8 +6,9 @@ use super::parts;
 use super::writer::{self, Output};
 use super::{resolve, say, tell};
 use crate::bake::Baked;
-use crate::model::report::{Contact, Outcome, Part};
+use crate::model::report::{Contact, JointTorque, Outcome, Part};
 use crate::model::{Scenario, Side};
+use crate::ragdoll::control::MOST_TORQUE;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -165,7 +166,10 @@ fn summary(baked: &Baked, name: &str, places: &Places, size: usize) -> String {
                 help.peak_nm, help.rms_nm, help.peak_n, help.rms_n, driven.bound.torque, driven.bound.force
             ),
         );
-        line("torques", format_args!("at most {:.0} of 500 Nm at a joint", driven.run.peak_torque));
+        let worst =
+            |torque: &JointTorque| format!("{} {:.0} Nm ({:.0} %)", torque.joint, torque.peak_nm, 100.0 * torque.share);
+        let worst: Vec<String> = report.torques.iter().take(3).map(worst).collect();
+        line("torques", format_args!("peak {} of the {MOST_TORQUE:.0} Nm that a joint may give", worst.join(", ")));
     }
     for (index, contact) in report.contacts.iter().enumerate() {
         line(if index == 0 { "contacts" } else { "" }, format_args!("{}", contact_row(contact)));

@@ -204,6 +204,12 @@ impl Figure {
         (0..self.link_of.len()).rev().find(below).unwrap_or(own)
     }
 
+    /// The role of the joint that a link turns about.
+    pub fn role_of(&self, link: usize) -> Role {
+        let joint = self.link_of.iter().position(|owner| *owner == link);
+        joint.map_or(Role::Hips, |joint| self.roles[joint])
+    }
+
     /// The link that a role's joint moves with.
     pub fn link_of_role(&self, role: Role) -> Option<usize> {
         self.roles.iter().position(|own| *own == role).map(|joint| self.link_of[joint])
