@@ -282,6 +282,35 @@ fn a_torn_or_lost_link_is_named() {
 }
 
 #[test]
+fn the_boxes_of_every_rig_lie_along_its_bones_and_are_as_large_as_parts_of_a_body() {
+    for (name, rig) in rigs() {
+        let body = &rig.body;
+        let figure = Figure::new(body, &stands(body), Locks::default());
+        println!("{name}: {} of 13 parts by the mesh, {:.2} m", body.flesh.len(), body.height);
+        assert!(body.flesh.len() == 13 || rig.mesh.is_empty() || !body.flesh.is_empty(), "{name}");
+        for (index, link) in figure.links.iter().enumerate() {
+            let dense = link.mass / (8.0 * link.half.x * link.half.y * link.half.z);
+            let [x, y, z] = link.half.to_array().map(|half| 200.0 * half / body.height);
+            println!("    {:<16} {x:5.1} {y:5.1} {z:5.1} % of the height, {dense:6.0} kg/m³", link.part.name());
+            // The head of a toy knight is half of him: as heavy as a man's, and light for its size.
+            let least = if link.part == Part::Head { 10.0 } else { 30.0 };
+            assert!((least..6000.0).contains(&dense), "{name}: {:?} of {dense} kg/m³", link.part);
+            let limb = matches!(link.part, Part::UpperArm(_) | Part::Forearm(_) | Part::Thigh(_) | Part::Shank(_));
+            let by_mesh = body.flesh.iter().any(|flesh| figure.link_of[flesh.joint] == index);
+            if let (true, true, Some(next)) =
+                (limb, by_mesh, figure.links.iter().find(|other| other.parent == Some(index)))
+            {
+                let bone = next.anchor.normalize();
+                assert!((link.turn * DVec3::Y).dot(bone) > 0.999, "{name}: {:?} lies across its bone", link.part);
+                assert!(link.half.y <= 0.5 * next.anchor.length() + 1e-6, "{name}: {:?} is too long", link.part);
+                let off = link.middle - bone * bone.dot(link.middle);
+                assert!(off.length() <= link.half.x.hypot(link.half.z), "{name}: {:?} is beside its bone", link.part);
+            }
+        }
+    }
+}
+
+#[test]
 fn every_rig_settles_on_its_feet_without_help() {
     let mut fell = Vec::new();
     for (name, rig) in rigs() {

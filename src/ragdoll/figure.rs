@@ -338,7 +338,8 @@ impl<'a> Maker<'a> {
         }
     }
 
-    /// Boxes from the reach of the links and their masses at the density of flesh; feet from their soles.
+    /// Boxes from the mesh; where it shows none, from the reach of the links and their masses at the density of flesh. Feet
+    /// from their soles.
     fn shape(&mut self, link_of: &[usize]) {
         for index in 0..self.links.len() {
             let origin = self.positions[self.joints[index]];
@@ -368,6 +369,16 @@ impl<'a> Maker<'a> {
             let half = (0.5 * (high - low)).max(DVec3::splat(0.5 * side));
             link.half = half;
             link.middle = 0.5 * (low + high);
+        }
+        for flesh in &self.body.flesh {
+            // A link that has swallowed another (a locked hand) keeps the box around both.
+            let alone = |link: usize| self.body.flesh.iter().filter(|other| link_of[other.joint] == link).count() == 1;
+            let link = link_of[flesh.joint];
+            if self.joints[link] == flesh.joint && alone(link) {
+                let turn = self.stand.turns[flesh.joint];
+                let link = &mut self.links[link];
+                (link.half, link.middle, link.turn) = (flesh.half, turn * flesh.middle, turn * flesh.turn);
+            }
         }
         for side in Side::BOTH {
             let corners = self.sole(side);
