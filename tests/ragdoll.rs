@@ -5,10 +5,12 @@
 
 use crate::limits_grid::rigs;
 use glam::{DQuat, DVec3};
-use surefoot::bake::{BakeError, BakeOptions, Baked, Drive, Helped, bake};
+use surefoot::bake::ragdoll::{Stroll, stroll};
+use surefoot::bake::{BakeError, BakeOptions, Baked, Drive, Fall, Helped, bake};
 use surefoot::measure::{KnownPush, PushPoint};
 use surefoot::model::report::Outcome;
-use surefoot::model::scenario::{Carry, Direction, Ground, GroundKind, Push, Scenario, Throw};
+use surefoot::model::scenario::{Carry, Direction, Ground, GroundKind, Push, Scenario, Throw, Walk};
+use surefoot::model::scenario_text::parse;
 use surefoot::model::{Body, BodyPose, Role, Side, Terrain};
 use surefoot::ragdoll::control::Assist;
 use surefoot::ragdoll::figure::Part;
@@ -113,6 +115,73 @@ fn a_clip_tells_the_peak_torque_of_every_joint_worst_first_and_the_steppers_none
     assert!(json["torques"][13]["peak_nm"].as_f64().is_some_and(|peak| peak > 0.0));
     let stepper = bake(&built_in(), &shove, &BakeOptions::default()).expect("it bakes");
     assert!(told(&stepper).get("torques").is_none());
+}
+
+#[test]
+fn a_fall_that_no_help_prevents_gets_none_and_says_so() {
+    let drive = Drive::Ragdoll(Helped::Auto);
+    let hard = shoved(1600.0, Direction::Back);
+    let baked = bake(&built_in(), &hard, &BakeOptions { drive, ..BakeOptions::default() }).expect("it holds together");
+    assert!(matches!(baked.fall(), Some(Fall::Down(time)) if time > 0.6 && time < 2.0), "{:?}", baked.fall());
+    assert_eq!(baked.report.assist, surefoot::model::report::Assist::default());
+    let driven = baked.performance.articulated.as_ref().expect("a ragdoll");
+    assert!(driven.why.as_ref().is_some_and(|why| why.contains("300 Nm and 300 N do not")), "{:?}", driven.why);
+    assert!(alone(&shoved(100.0, Direction::Back)).fall().is_none());
+}
+
+#[test]
+fn the_drive_that_is_chosen_for_a_fall_is_the_one_whose_clip_shows_it_and_the_reason_is_true() {
+    let drive = Drive::Auto(Helped::Auto);
+    let options = BakeOptions { drive, ..BakeOptions::default() };
+    let baked = bake(&built_in(), &shoved(1600.0, Direction::Back), &options).expect("it holds together");
+    let why = baked.choice.as_ref().map_or(String::new(), |choice| choice.why.clone());
+    assert_eq!(baked.report.drive, "ragdoll");
+    let down = baked.fall().expect("a fall").to_string();
+    assert!(down.starts_with("goes down from") && why.contains(&down) && why.starts_with("both fall"), "{why}");
+    let lost = baked.report.events.iter().find(|event| event.name == "balance_lost").map(|event| event.time);
+    assert!(lost.is_some() && lost == baked.performance.lost);
+}
+
+fn walking(speed: f64, legs: f64) -> Scenario {
+    let walk = Walk { start: 0.5, duration: None, speed, heading: 0.0, facing: None };
+    let mut scenario = Scenario { duration: 6.0, walk: vec![walk], ..Scenario::default() };
+    scenario.character.leg_scale = legs;
+    scenario
+}
+
+#[test]
+fn a_walk_that_is_slower_than_asked_or_never_sets_off_is_told() {
+    let brisk = walking(1.2, 1.0);
+    let whole = alone(&brisk);
+    assert_eq!(stroll(&brisk, &whole.performance), Stroll::AsTold);
+    assert!(!whole.warnings.iter().any(|warning| warning.contains("the ragdoll")), "{:?}", whole.warnings);
+    let still = alone(&Scenario { duration: 6.0, ..Scenario::default() });
+    assert_eq!(stroll(&brisk, &still.performance), Stroll::Never, "who stands has not walked");
+    assert!(matches!(stroll(&walking(1.2, 1.0), &alone(&walking(0.8, 1.0)).performance), Stroll::Slower(..)));
+    let short = alone(&walking(1.2, 0.6));
+    let tells = |list: &[String]| list.iter().any(|text| text.contains("walks at most") && text.contains("not 1.20"));
+    println!("{:?}: {:?}", short.report.outcome, short.warnings);
+    assert!(tells(&short.warnings) && tells(&short.report.plausibility.notes), "{:?}", short.warnings);
+}
+
+#[test]
+fn what_it_cannot_play_is_named_and_never_left_out() {
+    let drive = Drive::Ragdoll(Helped::Within(Assist::default()));
+    let scenario = "title = 'x'\nduration = 3.0\n";
+    for (lane, named) in [
+        ("[[stand]]\nstart = 0.5\non = 'left'", "[[stand]]"),
+        ("[[turn]]\nstart = 0.5\nfacing = 90", "[[turn]]"),
+        ("[[crouch]]\nstart = 0.5\namount = 0.5", "[[crouch]]"),
+        ("[character]\ncrouch = 0.5", "[character] crouch"),
+    ] {
+        let scenario = parse("x.toml", &format!("{scenario}{lane}\n")).expect("a scenario");
+        let error = bake(&built_in(), &scenario, &BakeOptions { drive, ..BakeOptions::default() }).map(|_| ());
+        let error = error.expect_err("it is not played").to_string();
+        assert!(error.contains(named) && error.contains("--drive stepper"), "{error}");
+        let auto = BakeOptions { drive: Drive::Auto(Helped::Auto), ..BakeOptions::default() };
+        let choice = bake(&built_in(), &scenario, &auto).expect("the stepper plays it").choice.expect("a choice");
+        assert!(choice.why.contains(named), "{}", choice.why);
+    }
 }
 
 #[test]

@@ -5,7 +5,7 @@
 
 use super::contacts::{self, FootContact};
 use super::perform::Performance;
-use super::ragdoll::Driven;
+use super::ragdoll::{self, Driven};
 use super::root_motion::RootMotion;
 use crate::maths::pendulum::GRAVITY;
 use crate::measure::{Findings, Frame, KnownPush, Motion, PushPoint, Setting, measure_in};
@@ -64,6 +64,9 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
     }
     let footless = footless(body, findings.as_ref());
     plausibility.notes.extend(footless.clone());
+    let strayed = performance.articulated.as_ref().and_then(|_| ragdoll::strayed(input.scenario, performance));
+    plausibility.notes.extend(strayed.clone());
+    let fallen = findings.as_ref().and_then(|findings| findings.balance.fallen);
     let duration = input.clip.duration;
     let steps = performance.trace.steps.iter().filter(|step| step.land <= duration).count() as u32;
     let outcome = outcome(performance, findings.as_ref(), steps, duration);
@@ -89,7 +92,11 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
                 told(input.rig, contact, Frame::of(terrain), slips.get(index).copied().unwrap_or(0.0))
             })
             .collect(),
-        events: events(performance, findings.as_ref().and_then(|findings| findings.balance.rest_from), duration),
+        events: events(
+            performance,
+            (fallen, findings.as_ref().and_then(|findings| findings.balance.rest_from)),
+            duration,
+        ),
         disturbances: disturbances(input),
         assist: performance.articulated.as_ref().map_or_else(Assist::default, |driven| {
             let help = driven.run.help;
@@ -98,8 +105,9 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
         torques: performance.articulated.as_ref().map_or(Vec::new(), torques),
         plausibility,
     };
-    let mut warnings = warnings(input, outcome);
+    let mut warnings = warnings(input, outcome, fallen);
     warnings.extend(footless);
+    warnings.extend(strayed);
     (report, findings, warnings)
 }
 
@@ -153,8 +161,8 @@ fn told(rig: &Rig, contact: &FootContact, frame: Frame, slip_mm: f64) -> Contact
 /// s, between contacts that follow on one another.
 const SAME: f64 = 1e-4;
 
-/// `rest_from`: s, since when the character has been at rest at the end.
-fn events(performance: &Performance, rest_from: Option<f64>, duration: f64) -> Vec<Event> {
+/// `fallen`, `rest_from`: s, when the clip is measured to have fallen, and since when it has been at rest at the end.
+fn events(performance: &Performance, (fallen, rest_from): (Option<f64>, Option<f64>), duration: f64) -> Vec<Event> {
     let mut events = Vec::new();
     let mut event = |time: f64, name: &str, foot: Option<Side>| {
         if time <= duration {
@@ -179,7 +187,7 @@ fn events(performance: &Performance, rest_from: Option<f64>, duration: f64) -> V
             }
         }
     }
-    if let Some(lost) = performance.lost {
+    if let Some(lost) = performance.lost.or(fallen) {
         event(lost, "balance_lost", None);
     }
     if let (Some(time), false) = (rest_from, performance.trace.steps.is_empty()) {
@@ -254,25 +262,43 @@ fn weights(input: &ReportInput) -> Vec<Disturbance> {
     list
 }
 
-fn warnings(input: &ReportInput, outcome: Outcome) -> Vec<String> {
+fn warnings(input: &ReportInput, outcome: Outcome, fallen: Option<f64>) -> Vec<String> {
     let mut warnings = Vec::new();
-    let trace = &input.performance.trace;
-    if outcome == Outcome::Fall {
-        let lost = input.performance.lost.unwrap_or(input.clip.duration);
-        warnings.push(if input.performance.articulated.is_some() {
-            format!("balance is lost at {lost:.2} s and the character falls. A weaker push or more --assist stays up")
-        } else {
-            format!(
-                "balance is lost at {lost:.2} s and the clip ends there: who is to fall needs `--drive ragdoll`. A weaker push or a higher agility stays up"
-            )
-        });
-    } else if trace.ticks.len() > input.performance.timeline.com.len() {
-        let needed = (trace.ticks.len() - 1) as f64 * trace.dt;
-        warnings.push(format!(
-            "the character is not at rest when the clip ends at {:.2} s: give the scenario duration = {:.1}",
-            input.clip.duration,
-            (needed * 10.0).ceil() / 10.0
-        ));
+    let performance = input.performance;
+    let trace = &performance.trace;
+    let lost = performance.lost.filter(|lost| *lost <= input.clip.duration + 1e-9);
+    let articulated = performance.articulated.is_some();
+    let remedy = if articulated { "more --assist" } else { "a higher agility" };
+    match (outcome, lost) {
+        (Outcome::Fall, Some(lost)) if !performance.timeline.fallen.is_empty() => {
+            warnings.push(format!(
+                "balance is lost at {lost:.2} s and the character falls. A weaker push or {remedy} stays up"
+            ));
+        }
+        (Outcome::Fall, Some(lost)) => {
+            let shows = if articulated { "" } else { ": who is to fall needs `--drive ragdoll`" };
+            warnings.push(format!(
+                "balance is lost at {lost:.2} s and the clip ends there{shows}. A weaker push or {remedy} stays up"
+            ));
+        }
+        (Outcome::Fall, None) => warnings.push(format!(
+            "the character sinks as low as who has fallen, at {:.2} s, though the simulation keeps its balance. A weaker push or {remedy} stays up",
+            fallen.unwrap_or(input.clip.duration)
+        )),
+        _ => {
+            if let Some(lost) = performance.lost {
+                warnings.push(format!(
+                    "balance is lost at {lost:.2} s, after the end of the clip: it ends in what becomes a fall"
+                ));
+            } else if trace.ticks.len() > performance.timeline.com.len() {
+                let needed = (trace.ticks.len() - 1) as f64 * trace.dt;
+                warnings.push(format!(
+                    "the character is not at rest when the clip ends at {:.2} s: give the scenario duration = {:.1}",
+                    input.clip.duration,
+                    (needed * 10.0).ceil() / 10.0
+                ));
+            }
+        }
     }
     warnings.extend(slowed(input));
     warnings

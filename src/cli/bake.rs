@@ -5,7 +5,7 @@ use super::exit_code::{Exit, Failure};
 use super::parts;
 use super::writer::{self, Output};
 use super::{resolve, say, tell};
-use crate::bake::Baked;
+use crate::bake::{Baked, Fall};
 use crate::model::report::{Contact, JointTorque, Outcome, Part};
 use crate::model::{Scenario, Side};
 use crate::ragdoll::control::MOST_TORQUE;
@@ -166,6 +166,9 @@ fn summary(baked: &Baked, name: &str, places: &Places, size: usize) -> String {
                 help.peak_nm, help.rms_nm, help.peak_n, help.rms_n, driven.bound.torque, driven.bound.force
             ),
         );
+        if let Some(why) = &driven.why {
+            line("", format_args!("{why}"));
+        }
         let worst =
             |torque: &JointTorque| format!("{} {:.0} Nm ({:.0} %)", torque.joint, torque.peak_nm, 100.0 * torque.share);
         let worst: Vec<String> = report.torques.iter().take(3).map(worst).collect();
@@ -209,10 +212,13 @@ fn outcome(baked: &Baked) -> String {
         Outcome::Still => "still: nothing moved".to_owned(),
         Outcome::Sway => "sway: the feet stayed where they were".to_owned(),
         Outcome::Step => format!("step: {steps}, and it stands"),
-        Outcome::Fall if !baked.performance.timeline.fallen.is_empty() => {
-            format!("fall: balance was lost after {steps}, and it goes down")
-        }
-        Outcome::Fall => format!("fall: balance was lost after {steps}; the clip ends there"),
+        Outcome::Fall => match baked.fall() {
+            Some(Fall::Down(_)) => format!("fall: balance was lost after {steps}, and it goes down"),
+            Some(Fall::Sinks(time)) => {
+                format!("fall: it sinks as low as who has fallen, at {time:.2} s; {steps} in all")
+            }
+            _ => format!("fall: balance was lost after {steps}; the clip ends there"),
+        },
     }
 }
 
