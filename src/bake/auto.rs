@@ -29,8 +29,9 @@ pub struct Choice {
 pub enum Fall {
     /// It ends where balance is lost, at that time (s).
     Ends(f64),
-    /// It sinks as low as who has fallen, from that time (s) on, though the simulation keeps its balance.
-    Sinks(f64),
+    /// It is measured as fallen (too low, or more than its feet on the ground) at that time (s), though the simulation keeps
+    /// its balance.
+    Measured(f64),
     /// Balance is lost then (s) and it goes down to the ground.
     Down(f64),
 }
@@ -92,7 +93,7 @@ pub(super) fn bake_helped(
         next = baked.more_help();
     }
     let helped = first.performance.articulated.as_ref().filter(|driven| driven.bound != Assist::default());
-    if let (Helped::Auto, Some(Fall::Sinks(_)), Some(driven)) = (helped_by, first.fall(), helped) {
+    if let (Helped::Auto, Some(Fall::Measured(_)), Some(driven)) = (helped_by, first.fall(), helped) {
         // Help that does not keep the clip up only bends the fall.
         let why = format!(
             "with {:.0} Nm and {:.0} N the simulation stays up, but no clip does",
@@ -125,7 +126,7 @@ impl Baked {
             Some(lost) => Fall::Ends(lost),
             None => {
                 let fallen = self.findings.as_ref().and_then(|findings| findings.balance.fallen);
-                Fall::Sinks(fallen.unwrap_or(self.report.duration))
+                Fall::Measured(fallen.unwrap_or(self.report.duration))
             }
         })
     }
@@ -147,7 +148,7 @@ impl Fall {
     fn shows(self) -> u8 {
         match self {
             Fall::Ends(_) => 0,
-            Fall::Sinks(_) => 1,
+            Fall::Measured(_) => 1,
             Fall::Down(_) => 2,
         }
     }
@@ -157,7 +158,7 @@ impl std::fmt::Display for Fall {
     fn fmt(&self, to: &mut std::fmt::Formatter) -> std::fmt::Result {
         match self {
             Fall::Ends(time) => write!(to, "ends where balance is lost, at {time:.2} s"),
-            Fall::Sinks(time) => write!(to, "sinks as low as who has fallen, at {time:.2} s"),
+            Fall::Measured(time) => write!(to, "is measured as fallen at {time:.2} s"),
             Fall::Down(time) => write!(to, "goes down from {time:.2} s on"),
         }
     }

@@ -268,21 +268,28 @@ fn warnings(input: &ReportInput, outcome: Outcome, fallen: Option<f64>) -> Vec<S
     let trace = &performance.trace;
     let lost = performance.lost.filter(|lost| *lost <= input.clip.duration + 1e-9);
     let articulated = performance.articulated.is_some();
+    let scenario = input.scenario;
+    let milder = match () {
+        () if !scenario.push.is_empty() || !scenario.pull.is_empty() => "A weaker push",
+        () if !scenario.throw.is_empty() => "Lighter balls",
+        () if !scenario.walk.is_empty() => "A slower walk",
+        () => "Less to do",
+    };
     let remedy = if articulated { "more --assist" } else { "a higher agility" };
     match (outcome, lost) {
         (Outcome::Fall, Some(lost)) if !performance.timeline.fallen.is_empty() => {
             warnings.push(format!(
-                "balance is lost at {lost:.2} s and the character falls. A weaker push or {remedy} stays up"
+                "balance is lost at {lost:.2} s and the character falls. {milder} or {remedy} stays up"
             ));
         }
         (Outcome::Fall, Some(lost)) => {
             let shows = if articulated { "" } else { ": who is to fall needs `--drive ragdoll`" };
             warnings.push(format!(
-                "balance is lost at {lost:.2} s and the clip ends there{shows}. A weaker push or {remedy} stays up"
+                "balance is lost at {lost:.2} s and the clip ends there{shows}. {milder} or {remedy} stays up"
             ));
         }
         (Outcome::Fall, None) => warnings.push(format!(
-            "the character sinks as low as who has fallen, at {:.2} s, though the simulation keeps its balance. A weaker push or {remedy} stays up",
+            "the clip is measured as a fall at {:.2} s (too low, or more than feet on the ground), though the simulation keeps its balance. {milder} or {remedy} stays up",
             fallen.unwrap_or(input.clip.duration)
         )),
         _ => {

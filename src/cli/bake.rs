@@ -214,8 +214,8 @@ fn outcome(baked: &Baked) -> String {
         Outcome::Step => format!("step: {steps}, and it stands"),
         Outcome::Fall => match baked.fall() {
             Some(Fall::Down(_)) => format!("fall: balance was lost after {steps}, and it goes down"),
-            Some(Fall::Sinks(time)) => {
-                format!("fall: it sinks as low as who has fallen, at {time:.2} s; {steps} in all")
+            Some(Fall::Measured(time)) => {
+                format!("fall: it is measured as fallen at {time:.2} s; {steps} in all")
             }
             _ => format!("fall: balance was lost after {steps}; the clip ends there"),
         },

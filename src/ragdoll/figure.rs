@@ -222,6 +222,8 @@ impl Figure {
     }
 }
 
+/// Share of the height by which a pelvis reaches under its centre of mass.
+const UNDER_CENTRE: f64 = 0.10;
 /// A ball joint with all its angles.
 const BALL: Freedom = Freedom::Ball { stiff: None };
 
@@ -362,6 +364,10 @@ impl<'a> Maker<'a> {
             let (mut low, mut high) = (beyond.min(link.centre), beyond.max(link.centre));
             for point in &inside {
                 (low, high) = (low.min(*point), high.max(*point));
+            }
+            if link.part == Part::Pelvis {
+                // Some rigs have their hips bone on the ground, between the feet.
+                low.y = low.y.max(link.centre.y - UNDER_CENTRE * self.body.height);
             }
             let volume = link.mass / 1000.0;
             let long = (high - low).max_element().max(0.5 * volume.cbrt());

@@ -61,8 +61,10 @@ pub(super) fn flesh(skin: &Skin, joints: &[BodyJoint], feet: &[FootShape; 2], he
     let neck_role = if at(Role::Neck).is_some() { Role::Neck } else { Role::Head };
     let neck = at(neck_role).unwrap_or(spine + DVec3::Y * 0.25 * height);
     let broad = TRUNK.map(|bounds| bounds.map(|share| share * height));
-    let low = DVec3::new(hips.x, hips.y.min(legs.y) - UNDER_HIPS * height, hips.z);
-    let high = DVec3::new(hips.x, spine.y.max(hips.y + 0.03 * height), hips.z);
+    // Some rigs have their hips bone on the ground, between the feet.
+    let seat = hips.y.min(legs.y).max(legs.y - 0.02 * height);
+    let low = DVec3::new(legs.x, seat - UNDER_HIPS * height, legs.z);
+    let high = DVec3::new(legs.x, spine.y.max(hips.y.max(legs.y) + 0.03 * height), legs.z);
     let pelvis = Part { role: Role::Hips, from: low, to: high, bounds: broad };
     list.extend(around(Some(pelvis), &skin.moved_by(&|role| role == Role::Hips)));
     let trunk = Part { role: Role::Spine, from: spine, to: neck, bounds: broad };
