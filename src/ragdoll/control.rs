@@ -113,7 +113,6 @@ pub struct Controller {
     pub(super) stopped: Vec<DVec3>,
     pub(super) aimed: f64,
     pub(super) leaving: Option<(Side, usize)>,
-    pub(super) bends: [Option<(f64, f64)>; 2],
     /// Where it is to walk.
     pub order: Option<Order>,
     /// How it does.
@@ -139,7 +138,6 @@ impl Controller {
             stand_height: motion.com.y,
             pelvis_height: states[0].origin.y,
             leaving: None,
-            bends: [None; 2],
             order: None,
             gait: Gait::default(),
             aimed: states[0].origin.y,
@@ -298,11 +296,11 @@ impl Controller {
             }
         }
         let legs = Side::BOTH.map(|side| {
+            let bent = self.bend(figure, side);
             let bears = self.swing.is_none_or(|swing| swing.side != side);
-            LegMap::new(figure, &self.motion, figure.legs[side as usize], tuning.damping[usize::from(!bears)])
+            LegMap::new(figure, &self.motion, figure.legs[side as usize], tuning.damping[usize::from(!bears)], bent)
         });
         let feet = Side::BOTH.map(|side| self.foot_task(figure, terrain, side));
-        self.bends = Side::BOTH.map(|side| self.bend(figure, side));
         // A foot that bears stands still as soon as it touches: its leg's dampers must not carry its last motion on.
         self.stopped.clear();
         self.stopped.resize(count, DVec3::ZERO);

@@ -145,11 +145,7 @@ impl Controller {
             let shank = self.states[knee].turn;
             let held = shank * DVec3::Y;
             let held = held * held.dot(self.relative[ankle]);
-            let [a, mut b, c] = legs[side].solve(figure, &self.motion, root, &feet[side], held);
-            if let (Some((share, bend)), Freedom::Hinge { axis, .. }) = (self.bends[side], figure.links[knee].freedom) {
-                let axis = self.states[hip].turn * axis;
-                b = b * (1.0 - share) + axis * (bend * share);
-            }
+            let [a, b, c] = legs[side].solve(figure, &self.motion, root, &feet[side], held);
             for (link, relative) in [(hip, a), (knee, b), (ankle, c)] {
                 let parent = figure.links[link].parent.unwrap_or(0);
                 self.accelerations[link] = self.motion.child(figure, link, &self.accelerations[parent], relative);
