@@ -303,14 +303,18 @@ impl Controller {
         });
         let feet = Side::BOTH.map(|side| self.foot_task(figure, terrain, side));
         self.bends = Side::BOTH.map(|side| self.bend(figure, side));
-        // A foot that bears stands still as soon as it touches: its leg's dampers must not carry its last motion on.
+        // A foot that bears stands still on the ground (a platform turns about the origin) as soon as it touches: its leg's dampers must not carry its last motion on.
+        let ground_spin = short(terrain.turn(self.time + dt) * terrain.turn(self.time).inverse()) / dt;
         self.stopped.clear();
         self.stopped.resize(count, DVec3::ZERO);
         for side in Side::BOTH {
             if self.swing.is_none_or(|swing| swing.side != side) {
                 let leg = figure.legs[side as usize];
-                let change =
-                    legs[side as usize].change(-self.motion.origin_velocity(leg[2]), -self.states[leg[2]].spin);
+                let carried = ground_spin.cross(self.states[leg[2]].origin);
+                let change = legs[side as usize].change(
+                    carried - self.motion.origin_velocity(leg[2]),
+                    ground_spin - self.states[leg[2]].spin,
+                );
                 for (link, change) in leg.into_iter().zip(change) {
                     self.stopped[link] = change * tuning.snap;
                 }
