@@ -259,7 +259,7 @@ impl Controller {
         let cop = inside + (goal - inside).clamp_length_max(moment / (mass * GRAVITY));
         self.report.cop = inside;
         // Height: as the stand, but never past the legs' reach.
-        let aim = self.wanted_height(figure, floor);
+        let aim = self.wanted_height(figure, terrain, floor);
         let most = tuning.sink * dt * self.size.sqrt();
         self.aimed += (aim - self.aimed).clamp(-most, most);
         let wanted_height = self.aimed;

@@ -20,7 +20,7 @@ impl Controller {
     }
 
     /// m, the pelvis's height: the stand's, or less where a leg would not reach.
-    pub(super) fn wanted_height(&self, figure: &Figure, floor: f64) -> f64 {
+    pub(super) fn wanted_height(&self, figure: &Figure, terrain: &Terrain, floor: f64) -> f64 {
         let pelvis = self.states[0];
         let mut height = self.pelvis_height + floor;
         for side in Side::BOTH {
@@ -33,9 +33,10 @@ impl Controller {
                     let left = (swing.start + swing.time - self.time).max(0.0);
                     let goal = swing.target - self.ahead(swing.yaw);
                     let drift = flat(self.motion.velocity) * left;
+                    let lands = terrain.spot(goal).height;
                     let at = DVec3::new(
                         goal.x - drift.x,
-                        self.states[ankle].origin.y.min(floor + figure.ankle_height),
+                        self.states[ankle].origin.y.min(lands + figure.ankle_height),
                         goal.y - drift.y,
                     );
                     (at, self.tuning.reach[1] + 0.05 * left / swing.time)
