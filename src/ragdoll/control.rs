@@ -114,6 +114,7 @@ pub struct Controller {
     pub(super) aimed: f64,
     pub(super) leaving: Option<(Side, usize)>,
     pub(super) bends: [Option<(f64, f64)>; 2],
+    pub(super) slants: [DVec2; 2], // m, from the ground point of a foot to under its ankle: none on level ground
     /// Where it is to walk.
     pub order: Option<Order>,
     /// How it does.
@@ -140,6 +141,7 @@ impl Controller {
             pelvis_height: states[0].origin.y,
             leaving: None,
             bends: [None; 2],
+            slants: [DVec2::ZERO; 2],
             order: None,
             gait: Gait::default(),
             aimed: states[0].origin.y,
@@ -180,7 +182,7 @@ impl Controller {
     /// m, the middle of a sole, (x, z).
     pub(super) fn sole_middle(&self, figure: &Figure, side: Side) -> DVec2 {
         let (ankle, yaw) = self.foot(figure, side);
-        flat(ankle) + self.ahead(yaw)
+        flat(ankle) - self.slants[side as usize] + self.ahead(yaw)
     }
 
     /// m, from the ankle to where a foot bears best.
@@ -198,6 +200,7 @@ impl Controller {
         let pressed = world.feet_pressed(figure);
         let loads = Side::BOTH.map(|side| world.pressed(figure.legs[side as usize][2]));
         self.observe(dt);
+        self.slants = Side::BOTH.map(|side| slant(figure, terrain, flat(self.foot(figure, side).0)));
         let floor = self.floor(figure, terrain);
         let height = (self.motion.com.y - floor).max(0.3 * self.stand_height);
         let rate = (GRAVITY / height).sqrt();
@@ -468,4 +471,9 @@ impl Controller {
             world.drive(figure, index, &JointDrive { stiffness, damping, ahead, stiff });
         }
     }
+}
+
+/// m, by how much an ankle is beside its foot's ground point where the ground leans, (x, z).
+pub(super) fn slant(figure: &Figure, terrain: &Terrain, at: DVec2) -> DVec2 {
+    flat(terrain.spot(at).normal) * figure.ankle_height
 }

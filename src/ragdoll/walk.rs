@@ -62,6 +62,24 @@ pub struct WalkTuning {
     pub yaw: f64,
     /// Share of a swing by which the foot must be off the ground.
     pub rise: f64,
+    /// m, a foothold so much farther off than the gait's own is to be come down on sooner.
+    pub astray: f64,
+    /// s, the shortest swing.
+    pub soonest: f64,
+    /// m/s, how fast a foot gets about.
+    pub speed: f64,
+    /// m/s, what a landing before its time costs.
+    pub hurry: f64,
+    /// What a foothold that is farther off than that costs, and one beyond reach.
+    pub dear: [f64; 2],
+    /// m, from the hip.
+    pub reach: f64,
+    /// Share of the observed push that is foreseen.
+    pub foreseen: f64,
+    /// m, ξ so far off its orbit at a touchdown is caught, and one so near to it goes on.
+    pub caught: [f64; 2],
+    /// Share of the speed that corrective steps keep.
+    pub keeps: f64,
 }
 
 impl Default for WalkTuning {
@@ -85,6 +103,15 @@ impl Default for WalkTuning {
             twist: 0.08,
             yaw: 3.0,
             rise: 0.05,
+            astray: 0.2,
+            soonest: 0.22,
+            speed: 4.0,
+            hurry: 0.5,
+            dear: [0.5, 2.0],
+            reach: 0.5,
+            foreseen: 0.0,
+            caught: [0.2, 0.1],
+            keeps: 0.5,
         }
     }
 }
@@ -101,6 +128,8 @@ pub enum Phase {
     Double,
     /// One foot bears.
     Single,
+    /// It was pushed off its orbit: corrective steps bring it back, and the walk goes on from there.
+    Caught,
 }
 
 /// What the gait remembers.
@@ -114,6 +143,7 @@ pub struct Gait {
     since: f64,  // the last touchdown, or the start
     goal: DVec2,
     ends: f64, // when both feet bear no more
+    hurries: bool,
     lacks: DVec2,
     mean: DVec2,
 }
@@ -130,7 +160,7 @@ struct Orbit {
 impl Gait {
     /// Whether it is in charge.
     pub fn walks(&self) -> bool {
-        self.phase != Phase::Rest
+        !matches!(self.phase, Phase::Rest | Phase::Caught)
     }
 
     /// m/s, the command as it is followed now, (x, z).
@@ -150,6 +180,11 @@ impl Gait {
     /// Whether that foot is about to leave.
     pub(super) fn leaves(&self, side: Side, time: f64) -> bool {
         self.phase == Phase::Double && self.side == side as usize && time > self.ends - 0.03
+    }
+
+    /// Whether the swing is not the gait's own, but one that catches the body.
+    pub(super) fn hurries(&self) -> bool {
+        self.hurries
     }
 
     fn swings(&self) -> Side {
@@ -189,6 +224,7 @@ impl Controller {
                 self.quiet = 0.0;
             }
             Phase::Start => {}
+            Phase::Caught => return self.goes_on(figure, xi, rate, &hull, goes),
             _ => {
                 self.heading += turn;
                 // While it turns, the way to go turns with it.
@@ -206,7 +242,7 @@ impl Controller {
             }
         }
         match self.gait.phase {
-            Phase::Rest => false,
+            Phase::Rest | Phase::Caught => false,
             Phase::Start => self.set_off(figure, loads, xi, rate, &hull, dt, goes),
             Phase::Double => self.both(figure, loads, xi, rate, &hull, dt, goes),
             Phase::Single => self.single(figure, terrain, pressed, xi, rate, &hull, dt),
@@ -338,14 +374,14 @@ impl Controller {
         });
     }
 
-    /// The pressure that holds ξ on its orbit, and ξ's error at the next touchdown.
-    fn steer(&mut self, stance: DVec2, xi: DVec2, orbit: &Orbit, rate: f64, hull: &[DVec2]) -> DVec2 {
+    /// The pressure that holds ξ on its orbit; ξ's error, and how much of it the pressure can hold.
+    fn steer(&mut self, stance: DVec2, xi: DVec2, orbit: &Orbit, hull: &[DVec2]) -> (DVec2, DVec2) {
         let off = xi - stance - orbit.xi;
         let wanted = stance + orbit.cop + off * self.gait.tuning.gain;
         self.gait.goal = wanted;
         let inside = closest_point(hull, wanted).unwrap_or(wanted);
         let gives = (inside - stance - orbit.cop).clamp_length_max(off.length());
-        gives + (off - gives) * (rate * orbit.left).exp()
+        (off, gives)
     }
 
     #[expect(clippy::too_many_arguments, reason = "one tick")]
@@ -363,7 +399,7 @@ impl Controller {
         let stance = self.sole_middle(figure, swings.other());
         let passed = self.time - self.gait.since;
         let orbit = self.orbit(rate, swings, passed);
-        self.steer(stance, xi, &orbit, rate, hull);
+        self.steer(stance, xi, &orbit, hull);
         let weight = self.motion.mass * GRAVITY * dt;
         let borne = loads[swings.other() as usize] > 0.3 * weight;
         if !goes && self.gait.velocity.length() < 0.02 && signed_distance(hull, xi) < -0.03 * self.size {
@@ -391,6 +427,7 @@ impl Controller {
             self.gait.phase = Phase::Rest;
             return false;
         };
+        let tuning = self.gait.tuning;
         let passed = self.time - swing.start;
         let (ankle, _) = self.foot(figure, swing.side);
         let near = (super::flat(ankle) + self.ahead(swing.yaw)).distance(swing.target) < 0.10 * self.size;
@@ -406,30 +443,123 @@ impl Controller {
             let stance = self.sole_middle(figure, swing.side);
             let orbit = self.orbit(rate, swing.side.other(), 0.0);
             let hull = self.hull(figure);
-            self.steer(stance, xi, &orbit, rate, &hull);
+            let (off, _) = self.steer(stance, xi, &orbit, &hull);
+            if off.length() > tuning.caught[0] * self.size {
+                self.gait.phase = Phase::Caught;
+                return false;
+            }
             return true;
         }
         let stance = self.sole_middle(figure, swing.side.other());
-        let mut orbit = self.orbit(rate, swing.side, self.time - self.gait.since);
-        orbit.left = orbit.left.min((swing.time - passed).max(0.0));
-        let error = self.steer(stance, xi, &orbit, rate, hull);
+        let orbit = self.orbit(rate, swing.side, self.time - self.gait.since);
+        let own = orbit.left.max(0.2 * self.size.sqrt() - passed).max(0.0);
+        let (off, gives) = self.steer(stance, xi, &orbit, hull);
         if passed < 0.85 * swing.time {
-            swing.target = self.foothold(stance, swing.side, &orbit, error);
+            let (at, left) = self.foothold(figure, &swing, stance, &orbit, rate, off, gives, own);
+            swing.target = at;
+            swing.time = passed + left.max(0.02);
         }
-        self.carry_on(swing, terrain, down, dt);
+        self.carry_on(figure, swing, terrain, down, dt);
         true
     }
 
-    fn foothold(&self, stance: DVec2, side: Side, orbit: &Orbit, error: DVec2) -> DVec2 {
-        let tuning = &self.gait.tuning;
-        let mut step = orbit.stride + error * (tuning.place / (1.0 - orbit.rear));
-        step = step.clamp_length_max(tuning.span * self.size);
-        let outward = self.across() * side.sign();
-        let apart = step.dot(outward);
-        if apart < tuning.clear * self.size {
-            step += outward * (tuning.clear * self.size - apart);
+    /// m, by how much corrective steps are to fall short of ξ so that it keeps its speed.
+    pub(super) fn drift(&self, rate: f64) -> DVec2 {
+        if self.gait.phase != Phase::Caught {
+            return DVec2::ZERO;
         }
-        stance + step
+        let tempo = self.size.sqrt();
+        let time = 0.28 * tempo;
+        self.gait.velocity * (self.gait.tuning.keeps * time / ((rate * time).exp() - 1.0))
+    }
+
+    /// Whether corrective steps have brought it back to where the walk can go on.
+    fn goes_on(&mut self, figure: &Figure, xi: DVec2, rate: f64, hull: &[DVec2], goes: bool) -> bool {
+        if self.swing.is_some() {
+            return false;
+        }
+        if !goes || signed_distance(hull, xi) < -0.02 * self.size {
+            self.gait.phase = Phase::Rest;
+            return false;
+        }
+        let landed = self.last.unwrap_or(Side::Left);
+        let stance = self.sole_middle(figure, landed);
+        let orbit = self.orbit(rate, landed.other(), 0.0);
+        if (xi - stance - orbit.xi).length() > self.gait.tuning.caught[1] * self.size {
+            return false;
+        }
+        self.gait.phase = Phase::Double;
+        self.gait.side = landed.other() as usize;
+        self.gait.since = self.time;
+        self.gait.ends = self.time + self.rhythm()[1];
+        self.gait.lacks = DVec2::ZERO;
+        self.gait.mean = self.gait.velocity;
+        self.shifting = None;
+        self.leaving = None;
+        self.steer(stance, xi, &orbit, hull);
+        true
+    }
+
+    /// Where the swinging foot should stand, and in how many seconds: at the gait's own time while that is near its own place,
+    /// sooner when ξ runs away.
+    #[expect(clippy::too_many_arguments, reason = "one plan")]
+    fn foothold(
+        &mut self,
+        figure: &Figure,
+        swing: &Swing,
+        stance: DVec2,
+        orbit: &Orbit,
+        rate: f64,
+        off: DVec2,
+        gives: DVec2,
+        own: f64,
+    ) -> (DVec2, f64) {
+        let tuning = self.gait.tuning;
+        let (size, tempo) = (self.size, self.size.sqrt());
+        let passed = self.time - swing.start;
+        let outward = self.across() * swing.side.sign();
+        let begun = self.time - self.gait.since;
+        let last = self.orbit(rate, swing.side, begun + own).xi;
+        let push = super::flat(self.push) * (tuning.foreseen / (self.motion.mass * rate * rate));
+        let (com, velocity) = (super::flat(self.motion.com), super::flat(self.motion.velocity));
+        let from = DVec2::new(swing.reference.at.x, swing.reference.at.z) + self.ahead(swing.yaw);
+        let plan = |left: f64| {
+            let growth = (rate * left).exp();
+            let error = gives + (off - gives) * growth + push * (growth - 1.0);
+            let early = self.orbit(rate, swing.side, begun + left).xi - last;
+            let wanted = orbit.stride + (early + error) * (tuning.place / (1.0 - orbit.rear));
+            let mut step = wanted.clamp_length_max(tuning.span * size);
+            let (sinh, cosh) = ((rate * left).sinh(), (rate * left).cosh());
+            let pivot = stance + orbit.cop + gives;
+            let hip = pivot + (com - pivot) * cosh + velocity * (sinh / rate) + outward * (0.09 * size) - stance;
+            step = hip + (step - hip).clamp_length_max(tuning.reach * size);
+            let apart = step.dot(outward);
+            if apart < tuning.clear * size {
+                step += outward * (tuning.clear * size - apart);
+            }
+            let astray = (wanted - orbit.stride).length();
+            let late = (from.distance(stance + step) - tuning.speed * tempo * left).max(0.0);
+            let cost = tuning.hurry * tempo * (own - left)
+                + tuning.dear[0] * (astray - tuning.astray * size).max(0.0)
+                + tuning.dear[1] * (wanted.distance(step) + late);
+            (cost, step, astray)
+        };
+        let (mut cost, mut step, astray) = plan(own);
+        let mut time = own;
+        let hurries = astray > tuning.astray * size;
+        if hurries {
+            let mut left = (tuning.soonest * tempo - passed).max(0.06 * tempo);
+            while left < own {
+                let other = plan(left);
+                if other.0 < cost {
+                    (cost, step, _) = other;
+                    time = left;
+                }
+                left += 0.02 * tempo;
+            }
+        }
+        self.gait.hurries = hurries;
+        (stance + step, time)
     }
 }
 
