@@ -314,10 +314,8 @@ impl Controller {
             if self.swing.is_none_or(|swing| swing.side != side) {
                 let leg = figure.legs[side as usize];
                 let carried = ground_spin.cross(self.states[leg[2]].origin);
-                let change = legs[side as usize].change(
-                    carried - self.motion.origin_velocity(leg[2]),
-                    ground_spin - self.states[leg[2]].spin,
-                );
+                let change = legs[side as usize]
+                    .change(carried - self.motion.origin_velocity(leg[2]), ground_spin - self.states[leg[2]].spin);
                 for (link, change) in leg.into_iter().zip(change) {
                     self.stopped[link] = change * tuning.snap;
                 }

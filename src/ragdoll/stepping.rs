@@ -57,7 +57,8 @@ impl Controller {
         if let Some(mut swing) = self.swing {
             let passed = self.time - swing.start;
             let (ankle, _) = self.foot(figure, swing.side);
-            let near = (flat(ankle) - self.slants[swing.side as usize] + self.ahead(swing.yaw)).distance(swing.target) < 0.10 * self.size;
+            let near = (flat(ankle) - self.slants[swing.side as usize] + self.ahead(swing.yaw)).distance(swing.target)
+                < 0.10 * self.size;
             let down = pressed[swing.side as usize];
             if down && passed > if near { 0.5 } else { 0.7 } * swing.time {
                 self.swing = None;

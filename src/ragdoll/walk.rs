@@ -7,6 +7,7 @@
 use super::control::{Controller, Swing};
 use super::figure::Figure;
 use super::figure::Part;
+use super::gait::{Orbit, fastest, turned, weights};
 use super::swing::Reference;
 use crate::maths::hull::{closest_point, signed_distance};
 use crate::maths::pendulum::GRAVITY;
@@ -14,183 +15,7 @@ use crate::maths::quat::wrap_angle;
 use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
 
-/// Where to walk.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Order {
-    /// m/s, (x, z).
-    pub velocity: DVec2,
-    /// rad, where to face.
-    pub facing: f64,
-}
-
-/// Constants of the gait.
-#[derive(Clone, Copy, Debug)]
-pub struct WalkTuning {
-    /// s, from touchdown to touchdown, at no speed and for each m/s more.
-    pub step: [f64; 2],
-    /// Share of a step in which both feet bear.
-    pub double: f64,
-    /// m, between the feet.
-    pub width: f64,
-    /// m, the pressure's way under a foot at 1 m/s, from and to.
-    pub roll: [f64; 2],
-    /// Feedback from ξ to the pressure.
-    pub gain: f64,
-    /// m/s, the most.
-    pub fastest: f64,
-    /// m/s², how fast the speed changes.
-    pub ramp: f64,
-    /// rad/s, how fast the heading changes.
-    pub turn: f64,
-    /// m, lift of a foot.
-    pub lift: f64,
-    /// m, how near to the stance foot ξ must be for the first step.
-    pub over: f64,
-    /// m, the least distance to the own side of the stance foot.
-    pub clear: f64,
-    /// m, from the stance foot.
-    pub span: f64,
-    /// Share of ξ's error that the next foot takes up.
-    pub place: f64,
-    /// 1/s, how fast a lasting lack of speed is made up for.
-    pub integral: f64,
-    /// rad at 1 m/s, swing of the arms.
-    pub arms: f64,
-    /// rad at 1 m/s, twist of the trunk.
-    pub twist: f64,
-    /// Weight of the pelvis's yaw among what the contact forces are for.
-    pub yaw: f64,
-    /// Share of a swing by which the foot must be off the ground.
-    pub rise: f64,
-    /// m, a foothold so much farther off than the gait's own is to be come down on sooner.
-    pub astray: f64,
-    /// s, the shortest swing.
-    pub soonest: f64,
-    /// m/s, how fast a foot gets about.
-    pub speed: f64,
-    /// m/s, what a landing before its time costs.
-    pub hurry: f64,
-    /// What a foothold that is farther off than that costs, and one beyond reach.
-    pub dear: [f64; 2],
-    /// m, from the hip.
-    pub reach: f64,
-    /// Share of the observed push that is foreseen.
-    pub foreseen: f64,
-    /// m, ξ so far off its orbit at a touchdown is caught, and one so near to it goes on.
-    pub caught: [f64; 2],
-    /// Share of the speed that corrective steps keep.
-    pub keeps: f64,
-}
-
-impl Default for WalkTuning {
-    fn default() -> WalkTuning {
-        WalkTuning {
-            step: [0.50, -0.05],
-            double: 0.06,
-            width: 0.11,
-            roll: [-0.05, 0.07],
-            gain: 2.0,
-            fastest: 1.3,
-            ramp: 0.8,
-            turn: 0.6,
-            lift: 0.04,
-            over: 0.05,
-            clear: 0.09,
-            span: 0.9,
-            place: 1.0,
-            integral: 0.3,
-            arms: 0.4,
-            twist: 0.08,
-            yaw: 3.0,
-            rise: 0.05,
-            astray: 0.2,
-            soonest: 0.22,
-            speed: 4.0,
-            hurry: 0.5,
-            dear: [0.5, 2.0],
-            reach: 0.5,
-            foreseen: 0.0,
-            caught: [0.2, 0.1],
-            keeps: 0.5,
-        }
-    }
-}
-
-/// Where in the gait.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Phase {
-    /// Not walking.
-    #[default]
-    Rest,
-    /// The weight goes over the first stance foot.
-    Start,
-    /// Both feet bear.
-    Double,
-    /// One foot bears.
-    Single,
-    /// It was pushed off its orbit: corrective steps bring it back, and the walk goes on from there.
-    Caught,
-}
-
-/// What the gait remembers.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Gait {
-    /// Its constants.
-    pub tuning: WalkTuning,
-    phase: Phase,
-    velocity: DVec2,
-    side: usize, // that swings, or will next
-    since: f64,  // the last touchdown, or the start
-    goal: DVec2,
-    ends: f64, // when both feet bear no more
-    hurries: bool,
-    lacks: DVec2,
-    mean: DVec2,
-}
-
-/// The steady gait beside the stance sole's middle, at an instant.
-struct Orbit {
-    cop: DVec2,
-    xi: DVec2,
-    stride: DVec2,
-    rear: f64,
-    left: f64,
-}
-
-impl Gait {
-    /// Whether it is in charge.
-    pub fn walks(&self) -> bool {
-        !matches!(self.phase, Phase::Rest | Phase::Caught)
-    }
-
-    /// m/s, the command as it is followed now, (x, z).
-    pub fn velocity(&self) -> DVec2 {
-        self.velocity
-    }
-
-    /// Whether both feet bear, or one does, in a walk that has begun.
-    pub fn phase(&self) -> Phase {
-        self.phase
-    }
-
-    pub(super) fn pressure(&self) -> Option<DVec2> {
-        self.walks().then_some(self.goal)
-    }
-
-    /// Whether that foot is about to leave.
-    pub(super) fn leaves(&self, side: Side, time: f64) -> bool {
-        self.phase == Phase::Double && self.side == side as usize && time > self.ends - 0.03
-    }
-
-    /// Whether the swing is not the gait's own, but one that catches the body.
-    pub(super) fn hurries(&self) -> bool {
-        self.hurries
-    }
-
-    fn swings(&self) -> Side {
-        Side::BOTH[self.side]
-    }
-}
+pub use super::gait::{Gait, Order, Phase, WalkTuning, unfit};
 
 impl Controller {
     /// The gait's part in a tick; false where it is not in charge.
@@ -229,7 +54,7 @@ impl Controller {
                 self.heading += turn;
                 // While it turns, the way to go turns with it.
                 let left = wrap_angle(order.facing - self.heading);
-                let wanted = turned(order.velocity, -left).clamp_length_max(tuning.fastest * tempo);
+                let wanted = turned(order.velocity, -left).clamp_length_max(self.fastest());
                 let velocity = turned(self.gait.velocity, turn);
                 self.gait.velocity = velocity + (wanted - velocity).clamp_length_max(tuning.ramp * dt);
                 self.gait.lacks = turned(self.gait.lacks, turn);
@@ -270,14 +95,20 @@ impl Controller {
         [most * cos, -most * turn * sin, -most * turn * turn * cos]
     }
 
+    /// m/s, the fastest that it walks: by its legs and by how fast it falls.
+    pub fn fastest(&self) -> f64 {
+        fastest(self.size, self.stand_height, self.gait.tuning.fastest)
+    }
+
     fn across(&self) -> DVec2 {
         DVec2::new(self.heading.cos(), -self.heading.sin())
     }
 
     /// s: a whole step, and its part in which both feet bear.
     fn rhythm(&self) -> [f64; 2] {
-        let tempo = self.size.sqrt();
-        let speed = self.gait.velocity.length() / tempo;
+        // A step's time is the pendulum's, which falls from the centre of mass's height; its length is the legs'.
+        let tempo = (self.stand_height / 0.96).sqrt();
+        let speed = self.gait.velocity.length() * tempo / self.size;
         let step = (self.gait.tuning.step[0] + self.gait.tuning.step[1] * speed) * tempo;
         [step, step * self.gait.tuning.double]
     }
@@ -455,7 +286,7 @@ impl Controller {
         let own = orbit.left.max(0.2 * self.size.sqrt() - passed).max(0.0);
         let (off, gives) = self.steer(stance, xi, &orbit, hull);
         if passed < 0.85 * swing.time {
-            let (at, left) = self.foothold(figure, &swing, stance, &orbit, rate, off, gives, own);
+            let (at, left) = self.foothold(&swing, stance, &orbit, rate, off, gives, own);
             swing.target = at;
             swing.time = passed + left.max(0.02);
         }
@@ -504,8 +335,7 @@ impl Controller {
     /// sooner when ξ runs away.
     #[expect(clippy::too_many_arguments, reason = "one plan")]
     fn foothold(
-        &mut self,
-        figure: &Figure,
+        &self,
         swing: &Swing,
         stance: DVec2,
         orbit: &Orbit,
@@ -546,8 +376,7 @@ impl Controller {
         };
         let (mut cost, mut step, astray) = plan(own);
         let mut time = own;
-        let hurries = astray > tuning.astray * size;
-        if hurries {
+        if astray > tuning.astray * size {
             let mut left = (tuning.soonest * tempo - passed).max(0.06 * tempo);
             while left < own {
                 let other = plan(left);
@@ -558,23 +387,6 @@ impl Controller {
                 left += 0.02 * tempo;
             }
         }
-        self.gait.hurries = hurries;
         (stance + step, time)
     }
-}
-
-/// A ground vector (x, z) turned by a yaw.
-fn turned(vector: DVec2, yaw: f64) -> DVec2 {
-    let (sin, cos) = yaw.sin_cos();
-    DVec2::new(vector.x * cos + vector.y * sin, vector.y * cos - vector.x * sin)
-}
-
-/// What a straight run of the pressure of `time` s, that starts `after` s from now, counts in ξ: of its two ends.
-fn weights(rate: f64, after: f64, time: f64) -> [f64; 2] {
-    let (one, two) = ((-rate * after).exp(), (-rate * (after + time)).exp());
-    if rate * time < 1e-9 {
-        return [0.0, 0.0];
-    }
-    let mean = (one - two) / (rate * time);
-    [one - mean, mean - two]
 }
