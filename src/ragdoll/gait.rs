@@ -93,7 +93,7 @@ impl Default for WalkTuning {
             integral: 0.3,
             arms: 0.6,
             twist: 0.08,
-            yaw: 6.0,
+            yaw: 3.0,
             rise: 0.05,
             astray: 0.2,
             soonest: 0.22,
