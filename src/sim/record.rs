@@ -104,7 +104,7 @@ impl Record {
             facing: yaw_of(states[figure.trunk].turn),
             walk: control.gait.velocity(),
             gait: match control.gait.phase() {
-                walk::Phase::Rest => Phase::Rest,
+                walk::Phase::Rest | walk::Phase::Caught => Phase::Rest,
                 walk::Phase::Start => Phase::Start,
                 walk::Phase::Double => Phase::Double,
                 walk::Phase::Single => Phase::Single,
