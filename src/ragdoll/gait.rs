@@ -2,7 +2,6 @@
 //!
 //! Scenario space, SI; lengths are for legs of 0.83 m, times for a centre of mass 0.96 m up, and scale with them.
 
-use super::figure::Figure;
 use crate::model::Side;
 use glam::DVec2;
 
