@@ -7,6 +7,7 @@ use super::contacts::Footfalls;
 use super::track::Track;
 use super::{Domain, Mark};
 use crate::maths::hull::{convex_hull, signed_distance};
+use crate::maths::pendulum;
 use crate::measure::dynamics::dynamics;
 use crate::measure::{GRAVITY, KnownPush, Motion, PushPoint};
 use crate::model::findings::Rule;
@@ -17,6 +18,10 @@ use std::ops::Range;
 /// m at a leg of 0.83 m and s: out of the support by more for so long is told. People who swing their arms are 0.3 m out for a frame
 /// or two of 30 Hz, and never 0.12 m for longer.
 const OUT: [(f64, f64); 2] = [(0.45, 0.06), (0.17, 0.12)];
+/// m and s: ξ out of the support by more for longer asks for a step,
+const LOST: (f64, f64) = (0.06, 0.25);
+/// s: which comes within that time in people, if it comes.
+const ANSWER: f64 = 0.9;
 /// Frames of a long clip that are differentiated at once.
 const PIECE: usize = 4096;
 /// s: of frames before and after.
@@ -141,6 +146,43 @@ pub fn marks(track: &Track, balance: &[Option<Balance>], domain: &Domain) -> Vec
                 delta: most,
                 limit: OUT[1].0 * size,
                 why: format!("the ground would have to push {:.0} cm outside of the feet", 100.0 * most),
+            }
+        })
+        .collect()
+}
+
+/// Every mark of a stand that is lost: ξ leaves the support for good (the third of the three regions: ankles, hips, step) and no step
+/// comes for it.
+pub fn unanswered(track: &Track, feet: &Footfalls, domain: &Domain) -> Vec<Mark> {
+    let hz = track.capture.fps;
+    let size = track.size();
+    let ahead = (ANSWER * track.tempo() * hz).round() as usize;
+    let lasts = (LOST.1 * track.tempo() * hz).round().max(2.0) as usize;
+    let out = |frame: usize| {
+        let answered = feet.contacts.iter().any(|contact| (frame + 1..=frame + ahead).contains(&contact.start));
+        if frame + ahead >= track.len() || answered || !domain.walks(frame) {
+            return f64::MIN;
+        }
+        let Some(support) = support(track, feet, frame, 0) else { return f64::MIN };
+        let velocity = DVec2::new(track.velocity[frame].x, track.velocity[frame].z);
+        let omega = track.omega(frame, feet.floor_at(frame, track.below(frame)));
+        signed_distance(&support, pendulum::extrapolated(track.below(frame), velocity, omega))
+    };
+    let lost = super::spans(track.len(), |frame| out(frame) > LOST.0 * size);
+    lost.into_iter()
+        .filter(|(start, end)| end - start + 1 >= lasts)
+        .map(|(start, end)| {
+            let most = (start..=end).map(out).fold(0.0, f64::max);
+            Mark {
+                start,
+                end,
+                rule: Rule::Balance,
+                side: None,
+                measured: most,
+                predicted: 0.0,
+                delta: most,
+                limit: LOST.0 * size,
+                why: format!("the body is falling {:.0} cm beyond its feet, and no step comes", 100.0 * most),
             }
         })
         .collect()

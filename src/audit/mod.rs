@@ -58,6 +58,7 @@ pub fn audit(capture: &Capture, options: &AuditOptions) -> Findings {
         _ => domain.stands_in(mark.start, mark.end),
     }));
     marks.extend(balance::marks(&track, &balance, &domain));
+    marks.extend(balance::unanswered(&track, &feet, &domain));
     marks.extend(flight::marks(&track, &feet).into_iter().filter(|mark| domain.stands_in(mark.start, mark.end)));
     marks.retain(|mark| !options.without.contains(&mark.rule));
     marks.sort_by_key(|mark| (mark.start, mark.end, mark.rule));

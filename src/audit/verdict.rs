@@ -49,6 +49,8 @@ pub fn step(feet: &Footfalls, judged: &Judged) -> StepVerdict {
         error_m: judged.error.length(),
         error_forward_m: judged.error.x,
         error_sideways_m: judged.error.y,
+        stopping_m: judged.taken.stopping,
+        lead_m: (landing.place - judged.taken.com).dot(judged.taken.ahead),
     }
 }
 
