@@ -75,6 +75,13 @@ pub struct Judged {
     pub limit: DVec2,
 }
 
+impl Taken {
+    /// m, (x, z), of (along, out).
+    fn axes(&self, offset: DVec2) -> DVec2 {
+        self.ahead * offset.x + self.out * offset.y
+    }
+}
+
 /// Every step whose beginning and end the clip shows, with its state.
 pub fn taken(track: &Track, feet: &Footfalls) -> Vec<Taken> {
     feet.steps.iter().filter_map(|step| state(track, feet, *step)).collect()
@@ -82,6 +89,19 @@ pub fn taken(track: &Track, feet: &Footfalls) -> Vec<Taken> {
 
 /// Judges them: each against the model and the median of the others.
 pub fn judge(track: &Track, taken: &[Taken]) -> Vec<Judged> {
+    judge_by(track, taken, POPULATION, PLACED)
+}
+
+/// The same steps seen without the velocity: footholds against the centre of mass itself. Not what the audit does: it shows how much of
+/// what is found the pendulum finds.
+pub fn without_velocity(taken: &Taken) -> Taken {
+    let foothold = taken.xi - taken.com + taken.axes(taken.model + taken.rest);
+    let rest = DVec2::new(foothold.dot(taken.ahead), foothold.dot(taken.out));
+    Taken { xi: taken.com, model: DVec2::ZERO, rest, ..*taken }
+}
+
+/// Judges with a population's offset and limits (m, forward and sideways, at a leg of 0.83 m) of one's own.
+pub fn judge_by(track: &Track, taken: &[Taken], population: DVec2, placed: DVec2) -> Vec<Judged> {
     let size = track.size();
     (0..taken.len())
         .map(|index| {
@@ -90,18 +110,18 @@ pub fn judge(track: &Track, taken: &[Taken]) -> Vec<Judged> {
             let count = others.clone().count() as f64;
             let own = |axis: usize| {
                 let values: Vec<f64> = others.clone().map(|other| taken[other].rest[axis]).collect();
-                (count * median(&values) + PRIOR[axis] * POPULATION[axis] * size) / (count + PRIOR[axis])
+                (count * median(&values) + PRIOR[axis] * population[axis] * size) / (count + PRIOR[axis])
             };
             let own = DVec2::new(own(0), own(1));
             let offset = step.model + own;
-            let predicted = step.xi + step.ahead * offset.x + step.out * offset.y;
+            let predicted = step.xi + step.axes(offset);
             let scatter = |axis: usize| {
                 let misses: Vec<f64> =
                     others.clone().map(|other| (taken[other].rest[axis] - own[axis]).abs()).collect();
                 1.48 * median(&misses)
             };
             let limit = |axis: usize| {
-                let told = PLACED[axis] * size * (1.0 + 1.0 / (count + PRIOR[axis])).sqrt();
+                let told = placed[axis] * size * (1.0 + 1.0 / (count + PRIOR[axis])).sqrt();
                 let scatter = scatter(axis);
                 if scatter > IRREGULAR * size { told.max(SCATTER * scatter) } else { told }
             };
