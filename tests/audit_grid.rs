@@ -21,6 +21,8 @@ use surefoot::model::findings::{Findings, Rule};
 pub struct Clip {
     pub name: String,
     pub kind: Kind,
+    /// By a person's motion rather than keys.
+    pub captured: bool,
     pub capture: Capture,
 }
 
@@ -68,7 +70,7 @@ pub fn clips(data: &Path) -> (Vec<Clip>, Vec<Clip>) {
     for folder in ["audit", "clips", "rigs", "forces"] {
         for (index, path) in files(&data.join(folder)).into_iter().enumerate() {
             let list = if folder == "audit" && index % 3 == 2 { &mut held } else { &mut tuned };
-            list.extend(read(&path));
+            list.extend(read(&path, folder != "rigs"));
         }
     }
     (tuned, held)
@@ -84,13 +86,13 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// Every clip of a file that is a humanoid's.
-fn read(path: &Path) -> Vec<Clip> {
+fn read(path: &Path, captured: bool) -> Vec<Clip> {
     let Ok(file) = load(path) else { return Vec::new() };
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let whole = |index: usize| {
         let capture = file.capture(index, &Options::default()).ok().filter(|capture| capture.frames() > 0)?;
         let name = if file.clips.len() > 1 { format!("{stem}:{}", file.clips[index]) } else { stem.clone() };
-        Some(Clip { kind: Kind::of(&name), name, capture })
+        Some(Clip { kind: Kind::of(&name), name, captured, capture })
     };
     (0..file.clips.len()).filter_map(whole).collect()
 }
@@ -124,8 +126,8 @@ impl Clean {
     }
 }
 
-pub fn clean(clips: &[Clip], kind: Kind) -> Clean {
-    let of: Vec<&Clip> = clips.iter().filter(|clip| clip.kind == kind).collect();
+pub fn clean(clips: &[Clip], kind: Kind, captured: bool) -> Clean {
+    let of: Vec<&Clip> = clips.iter().filter(|clip| clip.kind == kind && clip.captured == captured).collect();
     let found: Vec<Findings> = of.par_iter().map(|clip| audit(&clip.capture, &AuditOptions::default())).collect();
     let mut clean = Clean::default();
     for (clip, found) in of.iter().zip(found) {
@@ -234,9 +236,9 @@ impl Found {
     }
 }
 
-/// Walks and turns: what faults are planted into.
+/// Captured walks and turns: what faults are planted into.
 pub fn walks(clips: &[Clip]) -> Vec<&Clip> {
-    clips.iter().filter(|clip| matches!(clip.kind, Kind::Walk | Kind::Turn)).collect()
+    clips.iter().filter(|clip| clip.captured && matches!(clip.kind, Kind::Walk | Kind::Turn)).collect()
 }
 
 const SEEDS: u64 = 4;
@@ -380,6 +382,14 @@ impl Blind {
         let size = track.size();
         let judged = placement::judge_by(&track, &taken, self.population, self.placed);
         judged.iter().map(|judged| judged.error / size).collect()
+    }
+
+    /// (ours, its own): flags of foot-placement in clean clips, a minute.
+    pub fn false_a_minute(&self, clips: &[&Clip]) -> (f64, f64) {
+        let minutes: f64 = clips.iter().map(|clip| clip.capture.frames() as f64 / clip.capture.fps / 60.0).sum();
+        let ours: usize = clips.par_iter().map(|clip| own_flags(&clip.capture)).sum();
+        let its: usize = clips.par_iter().map(|clip| self.flags(&clip.capture).len()).sum();
+        (ours as f64 / minutes.max(1e-9), its as f64 / minutes.max(1e-9))
     }
 
     /// Spans of the steps that it flags.

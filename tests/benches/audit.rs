@@ -50,11 +50,14 @@ fn main() {
 }
 
 fn cleans(clips: &[Clip], verbose: bool) {
-    for kind in Kind::ALL {
-        let found = clean(clips, kind);
-        let name = format!("clean {kind:?}").to_lowercase();
+    for (kind, captured) in Kind::ALL.into_iter().flat_map(|kind| [(kind, true), (kind, false)]) {
+        let found = clean(clips, kind, captured);
+        if found.clips == 0 {
+            continue;
+        }
+        let name = format!("{kind:?}, {}", if captured { "captured" } else { "keyed" }).to_lowercase();
         println!(
-            "  {name:<12} {:>3} clips, {:>5.2} min: false events a minute {:.2} of {:.1}, frames {:.2} % of 2 %, abstained {:.0} %, clip flags {}",
+            "  clean {name:<16} {:>3} clips, {:>4.2} min: {:.2} false events a minute of {:.1}, {:.2} % of the frames of 2, abstained {:.0} %, clip flags {}",
             found.clips,
             found.minutes,
             found.a_minute(),
@@ -76,12 +79,14 @@ fn planted(clips: &[Clip], blind: &Blind, verbose: bool) {
         row(&fault, &found, verbose);
         if fault.name.starts_with("swing") {
             let without = blind.ask(&walks, &fault);
+            let (ours, its) = blind.false_a_minute(&walks);
             println!(
-                "    the same without the velocity: recall {:.3} (limits {:.2} and {:.2} m): the pendulum adds {:.2} of 0.30",
+                "    without the velocity       {:>4} planted: recall {:.3}: the pendulum adds {:.2} of 0.30 (limits {:.2} and {:.2} m; false {its:.2} a minute, with it {ours:.2})",
+                without.planted,
                 without.recall(),
+                found.recall() - without.recall(),
                 blind.placed.x,
                 blind.placed.y,
-                found.recall() - without.recall()
             );
         }
     }
@@ -142,12 +147,12 @@ fn long(path: &Path) {
     let file = surefoot::mocap::load(path).expect("a BVH");
     let capture = file.capture(0, &surefoot::mocap::Options::default()).expect("a capture");
     drop(file);
-    let read = start.elapsed().as_secs_f64();
+    let (read, peak_read) = (start.elapsed().as_secs_f64(), peak());
     let found = surefoot::audit::audit(&capture, &surefoot::audit::AuditOptions::default());
     let all = start.elapsed().as_secs_f64();
     let frames = capture.frames() as f64;
     println!(
-        "  {} joints, {:.0} s at {:.0} fps: {:.0} frames a second of 20000 on one core ({read:.2} s reading, {:.2} s judging, {} flags)",
+        "  BVH of 31 joints, {} of the body, {:.0} s at {:.0} fps: {:.0} frames a second of 20000 on one core ({read:.2} s reading, {:.2} s judging, {} flags)",
         capture.body.joints.len(),
         frames / capture.fps,
         capture.fps,
@@ -155,11 +160,16 @@ fn long(path: &Path) {
         all - read,
         found.flags.len()
     );
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let peak =
-        status.lines().find_map(|line| line.strip_prefix("VmHWM:")?.trim().strip_suffix(" kB")?.parse::<f64>().ok());
-    match peak {
-        Some(kib) => println!("  peak memory {:.0} MB of 300", kib * 1024.0 / 1e6),
+    match peak_read.zip(peak()) {
+        Some((read, all)) => println!("  peak memory {all:.0} MB of 300 ({read:.0} up to the end of reading)"),
         None => println!("  peak memory: not told by this system"),
     }
+}
+
+/// MB, of this process so far.
+fn peak() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kib: f64 = line.trim().strip_suffix(" kB")?.parse().ok()?;
+    Some(kib * 1024.0 / 1e6)
 }
