@@ -5,8 +5,13 @@
 mod architecture;
 /// The articulated body: standing, shoved, helped, repeated.
 mod articulated;
+/// The audit on baked and captured clips, with faults planted and without.
+mod audit;
 /// `surefoot audit` at the shell: text, JSON, table, page, waivers, many files.
 mod audit_cli;
+mod audit_faults;
+mod audit_forces;
+mod audit_grid;
 /// Height, masses and soles of real rigs and of the built-in one.
 mod bodies;
 /// The program at the shell: exit codes, words, files.

@@ -206,3 +206,84 @@ pub fn support(track: &Track, feet: &Footfalls, frame: usize, edge: usize) -> Op
     }
     (!points.is_empty()).then(|| convex_hull(&points))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::audit::contacts::footfalls;
+    use crate::audit::domain::domain;
+    use crate::audit::fixture::{Gait, shift_all, shift_foot, stand, walk};
+    use crate::model::Capture;
+    use glam::DVec3;
+
+    fn found(capture: &Capture) -> (Vec<Option<Balance>>, Vec<Mark>, Vec<(usize, usize)>) {
+        let track = Track::new(capture);
+        let feet = footfalls(&track);
+        let balance = balance(&track, &feet);
+        let marks = marks(&track, &balance, &domain(&track, &feet));
+        let thrown = thrown(&track, &balance);
+        (balance, marks, thrown)
+    }
+
+    /// The pelvis and all above it aside from `start` to `end`, eased over 0.2 s; the feet stay.
+    fn pushed_aside(capture: &Capture, (start, end): (usize, usize), aside: DVec3) -> Capture {
+        let mut made = capture.clone();
+        let ramp = 0.2 * capture.fps;
+        for frame in start..=end {
+            let near = (frame - start).min(end - frame) as f64;
+            let u = (near / ramp).min(1.0);
+            let shift = aside * (u * u * (3.0 - 2.0 * u));
+            shift_all(&mut made, frame, shift);
+            Side::BOTH.into_iter().for_each(|side| shift_foot(&mut made, frame, side, -shift));
+        }
+        made
+    }
+
+    #[test]
+    fn who_stands_or_walks_as_a_pendulum_is_in_balance() {
+        for capture in [stand(3.0), walk(Gait::default())] {
+            let (balance, marks, thrown) = found(&capture);
+            assert!(marks.is_empty() && thrown.is_empty(), "{marks:?}");
+            let inner = balance.iter().skip(10).take(capture.frames() - 20).flatten();
+            let most = inner.map(|balance| balance.out).fold(f64::MIN, f64::max);
+            assert!(most < 0.06, "{most}");
+        }
+        let still = found(&stand(3.0)).0;
+        assert!(still.iter().flatten().all(|balance| balance.out < 0.0));
+    }
+
+    #[test]
+    fn a_pelvis_aside_is_told_in_its_frames_and_a_little_of_it_is_not() {
+        let clean = stand(4.0);
+        for (metres, told) in [(0.25, true), (0.02, false)] {
+            for aside in [DVec3::X, DVec3::NEG_X, DVec3::Z, DVec3::NEG_Z] {
+                let (_, marks, _) = found(&pushed_aside(&clean, (90, 150), aside * metres));
+                assert_eq!(!marks.is_empty(), told, "{metres} m along {aside}: {marks:?}");
+                for mark in &marks {
+                    assert!(mark.start >= 80 && mark.end <= 160, "{mark:?}");
+                    assert!(mark.side.is_none() && mark.delta > 0.05, "{mark:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_window_of_a_clip_has_the_balance_that_the_whole_clip_has() {
+        let capture = walk(Gait::default());
+        let track = Track::new(&capture);
+        let feet = footfalls(&track);
+        let whole = balance(&track, &feet);
+        let part = piece(&track, &feet, 90..260, 150..200);
+        for (one, two) in whole[150..200].iter().zip(&part) {
+            let (one, two) = (one.expect("it bears"), two.expect("it bears"));
+            assert!(one.zmp.distance(two.zmp) < 1e-6 && (one.out - two.out).abs() < 1e-6, "{one:?} {two:?}");
+        }
+    }
+
+    #[test]
+    fn a_body_that_is_metres_aside_is_thrown() {
+        let (_, _, thrown) = found(&pushed_aside(&stand(4.0), (90, 150), DVec3::X * 1.3));
+        assert_eq!(thrown.len(), 1, "{thrown:?}");
+        assert!(thrown[0].0 >= 85 && thrown[0].1 <= 155, "{thrown:?}");
+    }
+}
