@@ -216,7 +216,9 @@ mod tests {
     use crate::model::Capture;
     use glam::DVec3;
 
-    fn found(capture: &Capture) -> (Vec<Option<Balance>>, Vec<Mark>, Vec<(usize, usize)>) {
+    type Found = (Vec<Option<Balance>>, Vec<Mark>, Vec<(usize, usize)>);
+
+    fn found(capture: &Capture) -> Found {
         let track = Track::new(capture);
         let feet = footfalls(&track);
         let balance = balance(&track, &feet);

@@ -113,7 +113,7 @@ mod tests {
         let mut coarse = capture.clone();
         coarse.fps = 30.0;
         let joints = capture.body.joints.len();
-        let every = |frame: &usize| frame % 4 == 0;
+        let every = |frame: &usize| frame.is_multiple_of(4);
         coarse.positions = (0..capture.frames()).filter(every).flat_map(|frame| capture.at(frame).to_vec()).collect();
         coarse.turns = (0..capture.frames()).filter(every).flat_map(|frame| capture.turns_at(frame).to_vec()).collect();
         assert_eq!(coarse.positions.len() % joints, 0);
