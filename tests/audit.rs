@@ -158,11 +158,14 @@ fn a_stand_and_a_shove_that_is_swayed_out_are_clean() {
 }
 
 #[test]
-fn shoves_that_are_stepped_out_are_told_of_while_the_hand_that_the_clip_lacks_pushes_and_never_after() {
+fn shoves_that_the_clip_tells_of_are_clean_and_without_that_word_they_are_told_while_they_last() {
     let mut pushed = 0;
     for (newtons, toward) in [(200.0, "front"), (200.0, "left"), (300.0, "right"), (350.0, "back"), (400.0, "front")] {
-        let (baked, capture) = baked(&shove(newtons, toward), &BakeOptions::default());
+        let (baked, mut capture) = baked(&shove(newtons, toward), &BakeOptions::default());
         assert!(baked.report.steps >= 2, "{newtons} N {toward}");
+        let found = said(&capture);
+        assert!(found.flags.is_empty() && found.clip_flags.is_empty(), "{newtons} N {toward}: {:?}", told(&found));
+        assert!(!std::mem::take(&mut capture.pushes).is_empty(), "the clip tells its disturbances");
         let found = said(&capture);
         let of_the_hand = |flag: &Flag| flag.rule == Rule::Balance && flag.start >= 16 && flag.end <= 32; // 0.6 s to 0.8 s at 30 Hz
         assert!(found.flags.iter().all(of_the_hand), "{newtons} N {toward}: {:?}", told(&found));
