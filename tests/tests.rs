@@ -30,6 +30,8 @@ mod limits;
 mod limits_grid;
 /// What the measures say of a walk over force plates.
 mod measure;
+/// Clips of every kind: sizes, ways, feet, writing back; broken ones.
+mod mocap;
 /// Contact sheets of real rigs.
 mod picture;
 /// The articulated body: falls, balls, grounds, breakdowns.

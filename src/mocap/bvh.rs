@@ -8,6 +8,7 @@
 use super::MocapError;
 use crate::rig::Trs;
 use glam::{DQuat, DVec3};
+use std::borrow::Cow;
 
 /// Joints, end sites among them, that are read at most.
 const MOST_JOINTS: usize = 2_000;
@@ -15,6 +16,23 @@ const MOST_JOINTS: usize = 2_000;
 const MOST_VALUES: usize = 1 << 27;
 /// Beyond this a number is a broken file.
 const FARTHEST: f64 = 1e7;
+
+/// A file's bytes as text: UTF-8, or where they are not, every byte as the character of its number (Latin-1), so that [`encode`]
+/// gives the same bytes back.
+pub fn decode(bytes: &[u8]) -> Cow<'_, str> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Cow::Borrowed(text),
+        Err(_) => Cow::Owned(bytes.iter().copied().map(char::from).collect()),
+    }
+}
+
+/// The bytes of a text that was decoded from `original`.
+pub fn encode(text: &str, original: &[u8]) -> Vec<u8> {
+    if std::str::from_utf8(original).is_ok() {
+        return text.as_bytes().to_vec();
+    }
+    text.chars().map(|letter| u8::try_from(u32::from(letter)).unwrap_or(b'?')).collect()
+}
 
 /// A parsed file.
 #[derive(Clone, Debug)]
@@ -340,7 +358,7 @@ mod tests {
             |from: &str, to: &str| Bvh::parse("f.bvh", &SMALL.replacen(from, to, 1)).expect_err(to).to_string();
         assert!(broken("90 0 0", "90 nan 0").contains("f.bvh: line 14"), "{}", broken("90 0 0", "90 nan 0"));
         assert!(broken("4 5 6 0 0 0", "4 5 6").contains("frame 1 of 2 (6 of its 9"), "cut off");
-        assert!(broken("Frames: 2", "Frames: 9e99").contains("too many"));
+        assert!(broken("Frames: 2", "Frames: 9e99").contains("no number that can be used"));
         assert!(broken("Frames: 2", "Frames: -1").contains("one at least"));
         assert!(broken("0.04", "0").contains("frame time"));
         assert!(broken("CHANNELS 3", "CHANNELS 4").contains("no channel"));

@@ -1,12 +1,13 @@
-//! Named nodes that move to a [`Capture`]: finds the humanoid, a rest pose to measure it by, the unit and the up axis.
+//! Named nodes that move, without a mesh: finds the humanoid in them, a rest pose to measure it by, the unit and the up axis.
 //!
-//! In: local transforms in file units, any axes. Out: clip space (metres, Y up). A file's zero pose is taken for the rest pose where a
-//! person could stand like that; else the frame that stands best. The feet of the rest pose are then laid as they lie in the frames
-//! where they are slow and low: what is level is what bears, whatever the file's zero pose says. Leaves out scale (taken as it is).
+//! In: local transforms in file units, any axes. Out: a [`Rig`] that stands at rest, and which way up is. A file's zero pose is taken
+//! for the rest pose where a person could stand like that; else the frame that stands best. The feet of the rest pose are then laid as
+//! they lie in the frames where they are slow and low: what is level is what bears, whatever the file's zero pose says. The frames
+//! themselves are read in [`super::frames`].
 
-use super::MocapError;
+use super::{MocapError, unit};
 use crate::maths::quat::shortest_arc;
-use crate::model::{Capture, Role};
+use crate::model::Role;
 use crate::rig::nodes::decompose;
 use crate::rig::space::{self, Landmarks};
 use crate::rig::{Rig, RigError, RigNode, Trs, skeleton};
@@ -20,12 +21,19 @@ const LEVEL: f64 = 0.03;
 /// Body against the up axis, and a leg's straightness (thigh along shank), from which a pose stands.
 const STANDS: (f64, f64) = (0.9, 0.8);
 
+/// Cosine from which a leg hangs down, and is straight: 15 degrees.
+const HANGS: f64 = 0.966;
+/// Of the body's own up along the up axis that a file names, from which the file is believed.
+const BELIEVED: f64 = 0.2;
+
 /// Nodes and how they move.
 pub struct Recording<'a> {
     /// One a node.
     pub names: Vec<String>,
-    /// One a node, smaller than its own index.
+    /// One a node.
     pub parents: Vec<Option<usize>>,
+    /// Every node, parents before children.
+    pub order: Vec<usize>,
     /// Local transforms of the file's pose without animation.
     pub zero: Vec<Trs>,
     /// Hz.
@@ -34,32 +42,51 @@ pub struct Recording<'a> {
     pub frames: usize,
     /// (frame, node) to its local transform.
     pub local: &'a dyn Fn(usize, usize) -> Trs,
+    /// Metres a unit by the file's word, or what its format says.
+    pub unit: f64,
+    /// Up by the file's word.
+    pub up: Option<DVec3>,
+    /// The document's extensions, where they name bones.
+    pub extensions: Option<&'a serde_json::Value>,
 }
 
-/// Hz of a frame time: the whole number that is meant where it is within a few millionths of one.
-pub fn rate(frame_time: f64) -> f64 {
-    let fps = 1.0 / frame_time;
-    if (fps - fps.round()).abs() < 2e-4 * fps { fps.round() } else { (fps * 1000.0).round() / 1000.0 }
+/// What a person says about a file.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Said<'a> {
+    /// The text of `FILE.bones.toml`.
+    pub overrides: Option<&'a str>,
+    /// Which way up is.
+    pub up: Option<DVec3>,
+    /// Metres a unit.
+    pub unit: Option<f64>,
 }
 
-/// Reads the whole recording. `file` is its name in messages, `clip` the clip's; `overrides` the text of `FILE.bones.toml`.
-pub fn capture(file: &str, clip: &str, recording: &Recording, overrides: Option<&str>) -> Result<Capture, MocapError> {
+/// The humanoid at its rest pose, in metres, and the file's up axis. `file` is its name in messages.
+pub fn stand(file: &str, recording: &Recording, said: &Said) -> Result<(Rig, DVec3), MocapError> {
     let step = recording.frames.div_ceil(LOOKED_AT).max(1);
     let looked_at: Vec<usize> = (0..recording.frames).step_by(step).collect();
-    let (rig, up) = find(file, recording, &looked_at, overrides)?;
-    Ok(read(clip, recording, &rig, up))
+    let (mut rig, up) = find(file, recording, &looked_at, said)?;
+    settle_unit(&mut rig, recording.unit, said.unit);
+    Ok((rig, up))
+}
+
+/// Gives the rig the unit that a person says, or that its size shows.
+pub fn settle_unit(rig: &mut Rig, by_file: f64, by_person: Option<f64>) {
+    let scale = rig.document_from_scenario.scale;
+    let found = match by_person {
+        Some(metres) => unit::Unit { metres, note: None },
+        None => unit::of(rig.body.leg_length * scale, rig.body.height * scale, by_file),
+    };
+    rig.mapping.warnings.retain(|note| !note.contains("units high: taken as"));
+    rig.mapping.warnings.extend(found.note);
+    unit::resize(rig, found.metres * scale);
 }
 
 /// The humanoid at its rest pose, and the file's up axis as the motion shows it.
-fn find(
-    file: &str,
-    recording: &Recording,
-    looked_at: &[usize],
-    overrides: Option<&str>,
-) -> Result<(Rig, DVec3), MocapError> {
+fn find(file: &str, recording: &Recording, looked_at: &[usize], said: &Said) -> Result<(Rig, DVec3), MocapError> {
     let pose =
         |frame: usize| -> Vec<Trs> { (0..recording.names.len()).map(|node| (recording.local)(frame, node)).collect() };
-    let stand = |locals: &[Trs]| skeleton(file, nodes(recording, locals), overrides);
+    let stand = |locals: &[Trs]| skeleton(file, nodes(recording, locals), recording.extensions, said.overrides);
     // Roles first: by the zero pose, else by frames of the motion.
     let zero = stand(&recording.zero);
     let middle = looked_at.len() / 2;
@@ -79,7 +106,9 @@ fn find(
         Landmarks::of(&bones, &places)
     };
     let sum: DVec3 = tracks.iter().filter_map(|globals| marks(globals)).map(|marks| marks.body_up()).sum();
-    let up = space::nearest_axis(sum);
+    let shown = sum / tracks.len().max(1) as f64;
+    let believed = recording.up.filter(|up| shown.dot(*up) > BELIEVED);
+    let up = said.up.or(believed).unwrap_or_else(|| space::nearest_axis(shown));
     let standing = |globals: &[DAffine3], up: DVec3| {
         let Some(marks) = marks(globals) else { return (0.0, 0.0) };
         let place = |role: Role| bones.get(&role).map(|node| globals[*node].translation);
@@ -107,8 +136,34 @@ fn find(
         let best = (0..tracks.len()).max_by(|a, b| score(&tracks[*a]).total_cmp(&score(&tracks[*b])).then(b.cmp(a)));
         (pose(looked_at[best.unwrap_or(0)]), up)
     };
+    straighten_legs(recording, &bones, rest_up, &mut rest);
     level_feet(recording, &bones, &tracks, up, rest_up, &mut rest);
     Ok((stand(&rest)?, up))
+}
+
+/// Lets both legs of the rest pose hang straight down where one of them does not: a stride is no pose to measure a foot's height in.
+fn straighten_legs(recording: &Recording, bones: &BTreeMap<Role, usize>, up: DVec3, rest: &mut [Trs]) {
+    use Role::{LeftFoot, LeftLowerLeg, LeftUpperLeg, RightFoot, RightLowerLeg, RightUpperLeg};
+    let legs = [[LeftUpperLeg, LeftLowerLeg, LeftFoot], [RightUpperLeg, RightLowerLeg, RightFoot]];
+    let legs = legs.map(|leg| leg.map(|role| bones.get(&role).copied()));
+    let [Some(left), Some(right)] = legs.map(|[hip, knee, foot]| Some([hip?, knee?, foot?])) else { return };
+    let along = |globals: &[DAffine3], from: usize, to: usize| {
+        (globals[to].translation - globals[from].translation).normalize_or(-up)
+    };
+    let before = globals(recording, rest);
+    let hangs = |[hip, knee, foot]: [usize; 3]| {
+        let bend = along(&before, hip, knee).dot(along(&before, knee, foot));
+        along(&before, hip, foot).dot(-up) > HANGS && bend > HANGS
+    };
+    if hangs(left) && hangs(right) {
+        return;
+    }
+    for (bone, next) in [left, right].into_iter().flat_map(|[hip, knee, foot]| [(hip, knee), (knee, foot)]) {
+        let globals = globals(recording, rest);
+        let turn = shortest_arc(along(&globals, bone, next), -up);
+        let above = recording.parents[bone].map_or(DQuat::IDENTITY, |parent| decompose(&globals[parent]).rotation);
+        rest[bone].rotation = (above.inverse() * turn * decompose(&globals[bone]).rotation).normalize();
+    }
 }
 
 /// Turns the rest pose's feet and toes so that what lies level in stance lies level there.
@@ -176,76 +231,12 @@ fn nodes(recording: &Recording, locals: &[Trs]) -> Vec<RigNode> {
     nodes
 }
 
-fn globals(recording: &Recording, locals: &[Trs]) -> Vec<DAffine3> {
-    let mut globals: Vec<DAffine3> = Vec::with_capacity(locals.len());
-    for (parent, local) in recording.parents.iter().zip(locals) {
-        let above = parent.map_or(DAffine3::IDENTITY, |parent| globals[parent]);
-        globals.push(above * local.affine());
+/// World transforms, file units.
+pub fn globals(recording: &Recording, locals: &[Trs]) -> Vec<DAffine3> {
+    let mut globals = vec![DAffine3::IDENTITY; locals.len()];
+    for &node in &recording.order {
+        let above = recording.parents[node].map_or(DAffine3::IDENTITY, |parent| globals[parent]);
+        globals[node] = above * locals[node].affine();
     }
     globals
-}
-
-/// Every frame, in clip space.
-fn read(clip: &str, recording: &Recording, rig: &Rig, up: DVec3) -> Capture {
-    let similarity = &rig.document_from_scenario;
-    let clip_from_file = shortest_arc(up, DVec3::Y);
-    let metres = 1.0 / similarity.scale;
-    let wanted = wanted(recording, rig);
-    let rest: Vec<DAffine3> = globals(recording, &rig.nodes.iter().map(|node| node.bind).collect::<Vec<_>>());
-    let rest_inverse: Vec<DQuat> = rest.iter().map(|global| decompose(global).rotation.inverse()).collect();
-    let joints = rig.body.joints.len();
-    let mut positions = Vec::with_capacity(recording.frames * joints);
-    let mut turns: Vec<DQuat> = Vec::with_capacity(recording.frames * joints);
-    let mut place = vec![DAffine3::IDENTITY; rest.len()];
-    for frame in 0..recording.frames {
-        for &node in &wanted {
-            let above = recording.parents[node].map_or(DAffine3::IDENTITY, |parent| place[parent]);
-            place[node] = above * (recording.local)(frame, node).affine();
-        }
-        let base = positions.len();
-        for (index, joint) in rig.body.joints.iter().enumerate() {
-            let (position, turn) = match (rig.joint_nodes[index], joint.parent) {
-                (Some(node), _) => {
-                    let turn = decompose(&place[node]).rotation * rest_inverse[node] * similarity.rotation;
-                    let offset = similarity.point(joint.rest) - rest[node].translation; // a joint may stand beside its node
-                    let moved = place[node].translation + turn * (similarity.rotation.inverse() * offset);
-                    (clip_from_file * moved * metres, (clip_from_file * turn).normalize())
-                }
-                (None, Some(parent)) => {
-                    let turn = turns[base + parent];
-                    (positions[base + parent] + turn * rig.body.offset(index), turn)
-                }
-                (None, None) => (joint.rest, DQuat::IDENTITY),
-            };
-            positions.push(position);
-            turns.push(turn);
-        }
-    }
-    let mut notes = rig.mapping.warnings.clone();
-    notes.retain(|note| !note.contains("has no mesh"));
-    Capture {
-        name: clip.to_owned(),
-        fps: recording.fps,
-        body: rig.body.clone(),
-        positions,
-        turns,
-        units_to_metres: metres,
-        up: space::axis_name(up),
-        confidence: rig.mapping.confidence,
-        method: rig.mapping.method.clone(),
-        notes,
-    }
-}
-
-/// The nodes of the body's joints and what they hang from, parents first.
-fn wanted(recording: &Recording, rig: &Rig) -> Vec<usize> {
-    let mut wanted = vec![false; recording.names.len()];
-    for node in rig.joint_nodes.iter().flatten() {
-        let mut at = Some(*node);
-        while let Some(node) = at.filter(|node| !wanted[*node]) {
-            wanted[node] = true;
-            at = recording.parents[node];
-        }
-    }
-    (0..wanted.len()).filter(|node| wanted[*node]).collect()
 }

@@ -45,17 +45,22 @@ pub fn load_bytes(name: &str, bytes: &[u8], resolve: &Resolve, overrides: Option
     assemble(Parts { name, document, nodes, skins, parts, warnings, overrides }, resolve)
 }
 
-/// A rig of bare nodes: a skeleton from another kind of file, standing at its rest pose. `nodes` has `local` and `bind` alike.
-pub fn skeleton(name: &str, nodes: Vec<RigNode>, overrides: Option<&str>) -> Result<Rig, RigError> {
+/// A rig of bare nodes: a skeleton from another kind of file, standing at its rest pose. `nodes` has `local` and `bind` alike;
+/// `extensions` are those of its document, where they name bones by node.
+pub fn skeleton(
+    name: &str,
+    nodes: Vec<RigNode>,
+    extensions: Option<&serde_json::Value>,
+    overrides: Option<&str>,
+) -> Result<Rig, RigError> {
     let list: Vec<serde_json::Value> =
         nodes.iter().map(|node| serde_json::json!({ "name": node.name.as_deref().unwrap_or_default() })).collect();
-    let document = Document {
-        json: serde_json::json!({ "asset": { "version": "2.0" }, "nodes": list }),
-        buffers: Vec::new(),
-        glb_buffer: false,
-        images: Vec::new(),
-        image_files: Vec::new(),
-    };
+    let mut json = serde_json::json!({ "asset": { "version": "2.0" }, "nodes": list });
+    if let Some(extensions) = extensions {
+        json["extensions"] = extensions.clone();
+    }
+    let document =
+        Document { json, buffers: Vec::new(), glb_buffer: false, images: Vec::new(), image_files: Vec::new() };
     let nothing = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
     let bare = Parts { name, document, nodes, skins: Vec::new(), parts: Vec::new(), warnings: Vec::new(), overrides };
     assemble(bare, &nothing)

@@ -10,7 +10,7 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 
 /// The tables, most common first: on a tie the earlier wins.
-const TABLES: [&str; 12] = [
+const TABLES: [&str; 13] = [
     include_str!("../../rigs/names/01_mixamo.toml"),
     include_str!("../../rigs/names/02_unreal.toml"),
     include_str!("../../rigs/names/03_rigify.toml"),
@@ -23,6 +23,7 @@ const TABLES: [&str; 12] = [
     include_str!("../../rigs/names/10_smpl.toml"),
     include_str!("../../rigs/names/11_cmu.toml"),
     include_str!("../../rigs/names/12_opensim.toml"),
+    include_str!("../../rigs/names/13_makehuman.toml"),
 ];
 
 /// What a table found.

@@ -1,4 +1,5 @@
-//! The humanoid that a VRM file declares: `VRMC_vrm` (1.0) and `VRM` (0.x). Sources: the two VRM specifications.
+//! The humanoid that a VRM file declares: `VRMC_vrm` (1.0), `VRM` (0.x), and of an animation `VRMC_vrm_animation`.
+//! Sources: the VRM specifications.
 
 use super::document::as_index;
 use super::{Document, Fault};
@@ -9,7 +10,7 @@ use std::collections::BTreeMap;
 /// A declared humanoid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Declared {
-    /// "vrm1" or "vrm0".
+    /// "vrm1", "vrm0" or "vrma".
     pub method: &'static str,
     /// Role to node.
     pub bones: BTreeMap<Role, usize>,
@@ -23,11 +24,12 @@ pub fn declared(document: &Document) -> Result<Option<Declared>, Fault> {
     let human = |name: &str| {
         extensions.and_then(|all| all.get(name)).and_then(|vrm| vrm.get("humanoid")).and_then(|it| it.get("humanBones"))
     };
-    if let Some(bones) = human("VRMC_vrm") {
-        let place = "extensions.VRMC_vrm.humanoid.humanBones";
-        let list = bones.as_object().ok_or_else(|| Fault::new(place, "must be an object of bone names"))?;
+    for (extension, method) in [("VRMC_vrm", "vrm1"), ("VRMC_vrm_animation", "vrma")] {
+        let Some(bones) = human(extension) else { continue };
+        let place = || format!("extensions.{extension}.humanoid.humanBones");
+        let list = bones.as_object().ok_or_else(|| Fault::new(place(), "must be an object of bone names"))?;
         let entries = list.iter().map(|(name, bone)| (name.as_str(), bone.get("node"), name.clone()));
-        return Ok(Some(collect(document, "vrm1", entries)));
+        return Ok(Some(collect(document, method, entries)));
     }
     let Some(bones) = human("VRM") else { return Ok(None) };
     let place = "extensions.VRM.humanoid.humanBones";
