@@ -1,0 +1,150 @@
+//! A body that no ground could hold up: the pelvis and the trunk go back over the feet, which stay.
+//!
+//! Clip space, SI. The zero-moment point is z = c - c''h/g, so a shift s of the centre of mass moves it by s - s''h/g. Least squares over the
+//! flagged span and what is beside it: the ZMP comes to the middle of what bears (first attempt) or to the nearest place in it (then), the
+//! shift is smooth and begins and ends at rest. A pelvis that sank meanwhile comes back to the height that it has before and after.
+
+use super::posing::{Goal, as_it_is, pose};
+use super::seen::Seen;
+use super::slides::bears;
+use super::{Fix, flag_group};
+use crate::audit::balance::support;
+use crate::maths::banded::BandedLeastSquares;
+use crate::maths::hull::{centroid, closest_point, shrink};
+use crate::measure::GRAVITY;
+use crate::model::Side;
+use crate::model::findings::{Findings, Flag, Rule};
+use glam::{DVec2, DVec3};
+
+/// s: flags that are nearer are of one fault.
+const JOIN: f64 = 0.9;
+/// s: how far beside the flags the fault may begin and end.
+const EDGE: f64 = 0.3;
+/// s: smoothness of the shift.
+const SMOOTH: f64 = 0.05;
+/// How much of a pelvis's shift the centre of mass goes, feet held.
+const CARRIED: f64 = 0.85;
+/// s: soles that bear within that time carry.
+const CARRY: f64 = 0.06;
+/// m: a pelvis that is lower than beside the span by more comes up.
+const SUNK: f64 = 0.015;
+
+/// Proposals for the flags of balance.
+pub fn fixes(seen: &Seen, findings: &Findings, attempt: usize) -> Vec<Fix> {
+    let groups = flag_group(&findings.flags, Rule::Balance, seen.frames_in(JOIN));
+    groups.iter().filter_map(|group| fix(seen, group, attempt)).collect()
+}
+
+fn fix(seen: &Seen, group: &[Flag], attempt: usize) -> Option<Fix> {
+    let first = group.first()?;
+    let edge = seen.frames_in(EDGE * if attempt == 2 { 2.0 } else { 1.0 });
+    let start = first.start.saturating_sub(edge);
+    let end = (group.iter().map(|flag| flag.end).max()? + edge).min(seen.track.len() - 1);
+    if end < start + 6 {
+        return None;
+    }
+    let capture = seen.capture();
+    let shift = over_the_feet(seen, start, end, attempt == 1);
+    let rise = rise(seen, start, end);
+    let goals: Vec<Goal> = (start..=end)
+        .map(|frame| {
+            let index = frame - start;
+            let mut goal = as_it_is(capture, frame, bears(seen, frame));
+            goal.body = DVec3::new(shift[index].x, rise[index], shift[index].y);
+            goal
+        })
+        .collect();
+    let (piece, _) = pose(capture, start, &goals);
+    let moved = goals.iter().map(|goal| goal.body.length()).fold(0.0, f64::max);
+    let what = format!("pelvis and trunk moved by up to {:.1} cm, the feet held", 100.0 * moved);
+    Some(Fix { piece, flag: first.clone(), moved, what, held: Vec::new() })
+}
+
+/// m, (x, z), (frames): what the pelvis is moved by.
+fn over_the_feet(seen: &Seen, start: usize, end: usize, least: bool) -> Vec<DVec2> {
+    let capture = seen.capture();
+    let hz = capture.fps;
+    let count = end - start + 1;
+    let com: Vec<DVec3> = (0..seen.track.len()).map(|frame| capture.centre_of_mass(frame)).collect();
+    let carry = seen.frames_in(CARRY);
+    let mut systems = [(); 2].map(|()| BandedLeastSquares::new(count, 3));
+    for index in 1..count.saturating_sub(1) {
+        let frame = start + index;
+        let height = (com[frame].y - seen.feet.floor_at(frame, seen.track.below(frame))).max(0.2);
+        let stiff = height / GRAVITY * hz * hz;
+        let bend = com[frame - 1] - com[frame] * 2.0 + com[frame + 1];
+        let zmp = com[frame] - bend * stiff;
+        let zmp = DVec2::new(zmp.x, zmp.z);
+        let Some(hull) = support(&seen.track, &seen.feet, frame, carry) else { continue };
+        let inner = shrink(&hull, 0.02 * seen.track.size());
+        let inside = if inner.is_empty() { &hull } else { &inner };
+        let nearest = closest_point(inside, zmp).unwrap_or(zmp);
+        let aim = if least { nearest } else { centroid(&hull).unwrap_or(nearest) };
+        let by = aim - zmp;
+        for (system, by) in systems.iter_mut().zip([by.x, by.y]) {
+            system.equation(index - 1, &[-stiff, 1.0 + 2.0 * stiff, -stiff], by / CARRIED, 1.0);
+        }
+    }
+    let smooth = (SMOOTH * hz).powi(6) * 40.0;
+    let [x, z] = systems.map(|mut system| {
+        for index in 0..count.saturating_sub(3) {
+            system.equation(index, &[-1.0, 3.0, -3.0, 1.0], 0.0, smooth);
+        }
+        for index in 0..count {
+            let pinned = (index < 2 && start > 0) || (index + 2 >= count && end + 1 < seen.track.len());
+            system.equation(index, &[1.0], 0.0, if pinned { 1e7 } else { 1e-3 });
+        }
+        system.solve()
+    });
+    let pinned = |index: usize| (index == 0 && start > 0) || (index + 1 == count && end + 1 < seen.track.len());
+    (0..count).map(|index| if pinned(index) { DVec2::ZERO } else { DVec2::new(x[index], z[index]) }).collect()
+}
+
+/// m, (frames): how far a pelvis that sank comes up.
+fn rise(seen: &Seen, start: usize, end: usize) -> Vec<f64> {
+    let count = end - start + 1;
+    let around = seen.frames_in(0.5);
+    let mean = |from: usize, to: usize| {
+        let heights: Vec<f64> = (from..to).map(|frame| height(seen, frame)).collect();
+        (!heights.is_empty()).then(|| heights.iter().sum::<f64>() / heights.len() as f64)
+    };
+    let before = mean(start.saturating_sub(around), start);
+    let after = mean((end + 1).min(seen.track.len()), (end + 1 + around).min(seen.track.len()));
+    let (Some(before), Some(after)) = (before.or(after), after.or(before)) else { return vec![0.0; count] };
+    let line = |index: usize| before + (after - before) * index as f64 / count as f64;
+    let low: Vec<f64> = (0..count).map(|index| line(index) - height(seen, start + index)).collect();
+    let core = &low[count / 4..count - count / 4];
+    let sunk = core.iter().sum::<f64>() / core.len().max(1) as f64;
+    if sunk < SUNK * seen.track.size() {
+        return vec![0.0; count];
+    }
+    // What comes and goes within a stride is the walker's own.
+    let mut system = BandedLeastSquares::new(count, 2);
+    let smooth = (0.1 * seen.capture().fps).powi(4);
+    for (index, low) in low.iter().enumerate() {
+        system.equation(index, &[1.0], *low, 1.0);
+        if index + 2 < count {
+            system.equation(index, &[1.0, -2.0, 1.0], 0.0, smooth);
+        }
+        if (index < 2 && start > 0) || (index + 2 >= count && end + 1 < seen.track.len()) {
+            system.equation(index, &[1.0], 0.0, 1e5);
+        }
+    }
+    let mut rise = system.solve();
+    if start > 0 {
+        rise[0] = 0.0;
+    }
+    if end + 1 < seen.track.len() {
+        rise[count - 1] = 0.0;
+    }
+    rise
+}
+
+/// m: the pelvis over the floor that bears.
+fn height(seen: &Seen, frame: usize) -> f64 {
+    let floor = Side::BOTH
+        .map(|side| seen.feet.ground.under(side, seen.track.below(frame)))
+        .into_iter()
+        .fold(f64::MAX, f64::min);
+    seen.at(frame, 0).y - floor
+}

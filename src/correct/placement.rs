@@ -1,0 +1,169 @@
+//! A step that the pendulum would not have taken: its plant is moved to where the body balances over it, or, where the foot was merely
+//! too early, its swing is timed anew.
+//!
+//! Clip space, SI. The foothold goes along the error, to where a [`LEFT`] share of what would be told is left; the swings before and after
+//! lead there and away. Reach bounds it: the pelvis sinks a little, beyond that the foot goes as far as the leg lets it. A swing that took
+//! far less time than the clip's others is stretched until the body is where the foot comes down; its path stays the same.
+
+use super::Fix;
+use super::posing::{as_it_is, pose};
+use super::seen::{Seen, eased, judged, side_of};
+use super::slides::{bears, hold};
+use crate::audit::placement::{Judged, median};
+use crate::model::findings::{Findings, Flag, Rule};
+use glam::{DQuat, DVec2, DVec3};
+
+/// Share of the limit that an error may keep, by attempt.
+const LEFT: [f64; 3] = [0.25, 0.25, 0.0];
+/// A swing that took a smaller share of the others' time was too fast.
+const HASTY: f64 = 0.75;
+/// A swing that is stretched takes no more of the others' time.
+const LONGEST: f64 = 1.25;
+/// m: a foot that bears may miss its place by reach.
+const MISSED: f64 = 0.004;
+
+/// Proposals for the flags of foot-placement.
+pub fn fixes(seen: &Seen, findings: &Findings, attempt: usize) -> Vec<Fix> {
+    let flags = findings.flags.iter().filter(|flag| flag.rule == Rule::FootPlacement);
+    flags.filter_map(|flag| fix(seen, flag, attempt)).collect()
+}
+
+fn fix(seen: &Seen, flag: &Flag, attempt: usize) -> Option<Fix> {
+    let index = seen.contact(side_of(flag.foot)?, flag.start, flag.end)?;
+    let step = seen.judged.iter().find(|judged| judged.taken.step.to == index)?;
+    let hasty = swing(seen, step) < HASTY * usual_swing(seen, step);
+    match (attempt, hasty) {
+        (0, true) | (1, false) => stretch(seen, flag, step),
+        (0, false) | (1, true) => shift(seen, flag, step, LEFT[attempt]),
+        _ => shift(seen, flag, step, LEFT[2]),
+    }
+}
+
+/// s, of the swing that a step ends.
+fn swing(seen: &Seen, step: &Judged) -> f64 {
+    let contacts = &seen.feet.contacts;
+    let frames = contacts[step.taken.step.to].start.saturating_sub(contacts[step.taken.step.from].end);
+    frames as f64 / seen.capture().fps
+}
+
+/// s, of the clip's other swings.
+fn usual_swing(seen: &Seen, step: &Judged) -> f64 {
+    let others = seen.judged.iter().filter(|other| other.taken.step != step.taken.step);
+    let swings: Vec<f64> = others.map(|other| swing(seen, other)).collect();
+    if swings.len() < 2 { 0.4 * seen.track.tempo() } else { median(&swings) }
+}
+
+/// Moves the plant.
+fn shift(seen: &Seen, flag: &Flag, step: &Judged, left: f64) -> Option<Fix> {
+    let index = step.taken.step.to;
+    let contact = &seen.feet.contacts[index];
+    let (error, limit) = (step.error, step.limit);
+    let size = (error / limit).length();
+    if size < 1e-6 {
+        return None;
+    }
+    let error = error * (1.0 - left / size).max(0.0);
+    let flat = -(step.taken.ahead * error.x + step.taken.out * error.y);
+    let capture = seen.capture();
+    let swings = seen.swings(index);
+    // What the foot slid as it stood stays, unless it is little: then it is held.
+    let hold = hold(seen, contact);
+    let slid = hold.shift.iter().map(|shift| shift.length()).fold(0.0, f64::max);
+    let still = slid < 0.02 * seen.track.size();
+    let mut share = 1.0;
+    let mut best = None;
+    for _ in 0..4 {
+        let aside = DVec3::new(flat.x, 0.0, flat.y) * share;
+        let goals: Vec<_> = (swings.0..=swings.1)
+            .map(|frame| {
+                let mut goal = as_it_is(capture, frame, bears(seen, frame));
+                let foot = &mut goal.feet[contact.side as usize];
+                let (by, yaw) = hold.at(frame, swings, aside);
+                if still {
+                    foot.ankle += by;
+                    foot.turn = DQuat::from_rotation_y(yaw);
+                } else {
+                    let first = eased(frame, swings.0, contact.start);
+                    let then = eased(frame, contact.end, swings.1);
+                    foot.ankle += aside * if frame <= contact.end { first } else { 1.0 - then };
+                }
+                goal
+            })
+            .collect();
+        let (piece, missed) = pose(capture, swings.0, &goals);
+        let moved = aside.length();
+        let what = format!("the {} foot's plant moved by {:.1} cm", flag.foot.unwrap_or("one"), 100.0 * moved);
+        let held = if still { vec![(contact.side, contact.start, contact.end)] } else { Vec::new() };
+        best = Some(Fix { piece, flag: flag.clone(), moved, what, held });
+        if missed < MISSED {
+            break;
+        }
+        share *= 0.8;
+    }
+    best
+}
+
+/// Times the swing anew: the foot comes down when the body is there.
+fn stretch(seen: &Seen, flag: &Flag, step: &Judged) -> Option<Fix> {
+    let (from, to) = (&seen.feet.contacts[step.taken.step.from], &seen.feet.contacts[step.taken.step.to]);
+    let capture = seen.capture();
+    let longest = from.end + (LONGEST * usual_swing(seen, step) * capture.fps).round() as usize;
+    let last = longest.min(to.end.saturating_sub(seen.frames_in(0.15)));
+    let worst = |error: DVec2, limit: DVec2| (error / limit).abs().max_element();
+    let later = |down: usize| -> Option<f64> {
+        let mut feet = seen.feet.clone();
+        let index = step.taken.step.to;
+        feet.contacts[index].touch_down = to.touch_down + (down - to.start) as f64;
+        feet.contacts[index].start = down;
+        let judged = judged(&seen.track, &feet, &seen.domain);
+        let same = judged.iter().find(|judged| judged.taken.step == step.taken.step)?;
+        Some(worst(same.error, same.limit))
+    };
+    let found = (to.start + 1..=last)
+        .filter_map(|down| Some((later(down)?, down)))
+        .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
+    let (left, down) = found;
+    if left > 0.7 * worst(step.error, step.limit) {
+        return None;
+    }
+    let (start, side) = (from.end, to.side);
+    let ankle = capture.body.feet[side as usize].ankle;
+    // Where the foot was at a time of the old swing.
+    let source =
+        |frame: usize| start as f64 + (frame - start) as f64 * (to.start - start) as f64 / (down - start) as f64;
+    let at = |time: f64| {
+        let (a, share) = (time.floor() as usize, time.fract());
+        let b = (a + 1).min(seen.track.len() - 1);
+        (a, b, share)
+    };
+    let mut moved: f64 = 0.0;
+    let goals: Vec<_> = (start..=down)
+        .map(|frame| {
+            let other = bears(seen, frame)[1 - side as usize];
+            let mut held = [other; 2];
+            held[side as usize] = frame == start || frame == down;
+            let mut goal = as_it_is(capture, frame, held);
+            let (a, b, share) = at(source(frame));
+            let then = seen.at(a, ankle).lerp(seen.at(b, ankle), share);
+            let foot = &mut goal.feet[side as usize];
+            moved = moved.max(then.distance(foot.ankle));
+            foot.ankle = then;
+            goal
+        })
+        .collect();
+    let (mut piece, _) = pose(capture, start, &goals);
+    for frame in start + 1..down {
+        let (a, b, share) = at(source(frame));
+        let turns: Vec<DQuat> =
+            capture.turns_at(a).iter().zip(capture.turns_at(b)).map(|(a, b)| a.slerp(nearer(*a, *b), share)).collect();
+        let places: Vec<DVec3> = capture.at(a).iter().zip(capture.at(b)).map(|(a, b)| a.lerp(*b, share)).collect();
+        piece.turn_foot_like(&capture.body, frame, side, &turns, &places);
+    }
+    let late = (down - to.start) as f64 / capture.fps;
+    let what = format!("the {} foot's swing takes {late:.2} s longer", flag.foot.unwrap_or("one"));
+    Some(Fix { piece, flag: flag.clone(), moved, what, held: Vec::new() })
+}
+
+fn nearer(a: DQuat, b: DQuat) -> DQuat {
+    if a.dot(b) < 0.0 { -b } else { b }
+}
