@@ -68,6 +68,7 @@ fn joint(capture: &Capture, role: Role) -> usize {
 #[test]
 fn every_clip_of_the_collection_gives_a_body_of_a_persons_size_that_stands_on_its_feet() {
     let Some(data) = data() else { return };
+    let mut odd = Vec::new();
     let count = every_clip(&data, |file, clip, capture| {
         let place = format!("{file}: {clip}");
         let (leg, height) = (capture.body.leg_length, capture.body.height);
@@ -79,7 +80,8 @@ fn every_clip_of_the_collection_gives_a_body_of_a_persons_size_that_stands_on_it
         assert!(capture.positions.iter().all(|point| point.is_finite()), "{place}");
         assert!(capture.turns.iter().all(|turn| (turn.length() - 1.0).abs() < 1e-6), "{place}");
         // The feet are below the hips in most frames of all that is not a fall, a seat or a dive.
-        let lies = ["death", "lie", "sit", "roll", "dead", "dash", "air", "swim", "jump", "slide", "crawl", "floor"];
+        let lies =
+            ["death", "lie", "sit", "roll", "dead", "dash", "air", "swim", "jump", "slide", "crawl", "floor", "dodge"];
         if lies.iter().any(|word| clip.to_lowercase().contains(word)) {
             return;
         }
@@ -89,8 +91,11 @@ fn every_clip_of_the_collection_gives_a_body_of_a_persons_size_that_stands_on_it
             feet.iter().all(|foot| at[hips].y - at[*foot].y > 0.3 * leg)
         };
         let share = (0..capture.frames()).filter(below).count() as f64 / capture.frames() as f64;
-        assert!(share > 0.6, "{place}: both feet below the hips in {share:.2} of the frames");
+        if share < 0.6 {
+            odd.push(format!("{place}: both feet below the hips in {share:.2} of the frames"));
+        }
     });
+    assert!(odd.is_empty(), "{odd:#?}");
     assert!(count > 150, "{count} clips");
 }
 
@@ -164,11 +169,11 @@ fn feet_of_walks_come_down_to_one_floor() {
             .feet
             .iter()
             .map(|foot| {
-                let sole = foot.rear_sole.iter();
-                let height =
-                    |frame: usize| sole.clone().map(move |point| capture.rigid_point(frame, foot.ankle, *point).y);
-                let mut heights: Vec<f64> =
-                    (0..capture.frames()).map(|frame| height(frame).fold(f64::MAX, f64::min)).collect();
+                let lowest = |frame: usize| {
+                    let points = foot.rear_sole.iter().map(|point| capture.rigid_point(frame, foot.ankle, *point).y);
+                    points.fold(f64::MAX, f64::min)
+                };
+                let mut heights: Vec<f64> = (0..capture.frames()).map(lowest).collect();
                 heights.sort_by(f64::total_cmp);
                 heights[heights.len() / 20]
             })
@@ -399,10 +404,10 @@ fn mutants(path: &str, cases: u32) {
                 1 => mutant[at] ^= 1 << (byte % 8),
                 2 => mutant.truncate(at.max(1)),
                 3 => mutant.iter_mut().skip(at).take(usize::from(byte % 16)).for_each(|byte| *byte = 0xFF),
-                4 => mutant.copy_within(
-                    other..(other + usize::from(byte)).min(mutant.len()),
-                    at.min(mutant.len() - 256.min(mutant.len())),
-                ),
+                4 => {
+                    let part = mutant[other..(other + usize::from(byte)).min(mutant.len())].to_vec();
+                    mutant.iter_mut().skip(at).zip(part).for_each(|(byte, other)| *byte = other);
+                }
                 // What stands in the head does the most harm.
                 _ => mutant[at % 4096.min(length)] = byte,
             }

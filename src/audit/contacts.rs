@@ -158,7 +158,7 @@ fn floors(track: &Track) -> [f64; 2] {
     let common = mode(&both, 0.01 * track.size());
     each.map(|heights| {
         let own = if heights.len() * 8 >= both.len() { mode(&heights, 0.01 * track.size()) } else { common };
-        if (own - common).abs() < SAME_FLOOR * track.size() { own } else { common }
+        if (own - common).abs() < 1.5 * SAME_FLOOR * track.size() { own } else { common }
     })
 }
 

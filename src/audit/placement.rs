@@ -16,20 +16,22 @@ use crate::model::findings::Rule;
 use glam::DVec2;
 
 /// m a (m/s · rad/s), at a leg of 0.83 m: how far a curve moves the support inwards.
-const CURVE: f64 = 0.043;
+const CURVE: f64 = 0.05;
 /// m, forward and sideways: what is left of a step's offset in people, mean over captured walks, at a leg of 0.83 m.
 const POPULATION: DVec2 = DVec2::new(0.025, 0.035);
 /// Steps that the population counts as, forward and sideways: a clip's steps scatter by 0.025 and 0.02 m, clips by 0.054 and 0.028.
 const PRIOR: DVec2 = DVec2::new(0.25, 0.5);
 /// m: a foothold that is off by more is flagged, forward and sideways, at a leg of 0.83 m, where many steps tell the walker's own.
-const PLACED: DVec2 = DVec2::new(0.125, 0.1);
+const PLACED: DVec2 = DVec2::new(0.11, 0.09);
 /// m at a leg of 0.83 m: a clip whose steps scatter by more (a standard deviation, by their median error) dances or fights; there a step
 /// must be off by so many of them.
-const IRREGULAR: f64 = 0.05;
+const IRREGULAR: f64 = 0.08;
 /// See [`IRREGULAR`].
 const SCATTER: f64 = 4.0;
 /// s at a leg of 0.83 m: a step comes no later after the other foot's; later ones end a stand, and no walker's offset tells of them.
 const WALKING: f64 = 1.1;
+/// s at a leg of 0.83 m: a foot that stays longer stands.
+const STANDING: f64 = 1.8;
 /// m/s: below that speed the way is where the pelvis looks.
 const WALKS: f64 = 0.3;
 
@@ -145,6 +147,9 @@ fn state(track: &Track, feet: &Footfalls, step: Step) -> Option<Taken> {
     let landing: &Contact = &feet.contacts[step.to];
     let stance = feet.contact_before(other(step.side), landing.start)?;
     let hz = track.capture.fps;
+    if (landing.end - landing.start) as f64 / hz > STANDING * track.tempo() {
+        return None;
+    }
     let at = landing.touch_down;
     let (from, share) = (at.floor() as usize, at.fract());
     let to = (from + 1).min(track.len() - 1);

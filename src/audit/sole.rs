@@ -12,8 +12,14 @@ use glam::DVec2;
 
 /// m at a leg of 0.83 m: a slide that is told.
 const SLIDE: f64 = 0.08;
+/// s: within that time. A foot that stands for long shifts and turns now and then.
+const WITHIN: f64 = 0.7;
 /// m: a sole that far under or over its floor is told.
 const DEPTH: f64 = 0.035;
+/// m a m by which heel and tip differ in height, beyond what a level foot's do: how uncertain a sole's lowest point is.
+const STEEP: f64 = 0.3;
+/// m.
+const LEVEL: f64 = 0.05;
 /// m: over its floor by more, a foot stands on something.
 const HOVER: f64 = 0.16;
 /// s: no shorter.
@@ -47,7 +53,7 @@ fn slides(track: &Track, feet: &Footfalls) -> Vec<Mark> {
     let mut marks = Vec::new();
     for contact in &feet.contacts {
         let way = slid(track, contact);
-        let far = way.iter().map(|at| at.length()).fold(0.0, f64::max);
+        let far = farthest(&way, (WITHIN * track.capture.fps).round() as usize);
         if far > SLIDE * track.size() {
             let other = other_slides(track, feet, contact, &way);
             let rule = if other { Rule::Drift } else { Rule::FootSlide };
@@ -76,6 +82,12 @@ fn slides(track: &Track, feet: &Footfalls) -> Vec<Mark> {
     marks
 }
 
+/// m: the farthest that a way leads within so many frames.
+fn farthest(way: &[DVec2], frames: usize) -> f64 {
+    let from = |at: usize| &way[at.saturating_sub(frames)..at];
+    (0..way.len()).flat_map(|at| from(at).iter().map(move |before| way[at].distance(*before))).fold(0.0, f64::max)
+}
+
 /// Whether the other foot bears in half of that contact and goes the same way.
 fn other_slides(track: &Track, feet: &Footfalls, contact: &Contact, way: &[DVec2]) -> bool {
     let others = feet.contacts.iter().filter(|other| other.side != contact.side);
@@ -100,7 +112,10 @@ fn heights(track: &Track, feet: &Footfalls) -> Vec<Mark> {
             let bears = feet.of[side as usize][frame].is_some();
             let foot = &track.feet[side as usize];
             let height = foot.low[frame] - feet.under(side, frame, foot.place(frame));
-            if bears || rule == Rule::Penetration { sign * height } else { f64::MIN }
+            let [heel, _, tip] = foot.points[frame];
+            // The point of a steep foot is where its bones are thought to end.
+            let guess = STEEP * ((tip.y - heel.y).abs() - LEVEL * track.size()).max(0.0);
+            if bears || rule == Rule::Penetration { sign * height - guess } else { f64::MIN }
         };
         // Only what bears can hover, and only if nothing holds the body up meanwhile.
         let worst = |frame: usize| match rule {

@@ -134,7 +134,9 @@ fn find(file: &str, recording: &Recording, looked_at: &[usize], said: &Said) -> 
             upright + straight
         };
         let best = (0..tracks.len()).max_by(|a, b| score(&tracks[*a]).total_cmp(&score(&tracks[*b])).then(b.cmp(a)));
-        (pose(looked_at[best.unwrap_or(0)]), up)
+        let best = best.unwrap_or(0);
+        let own_up = marks(&tracks[best]).map_or(up, |marks| space::nearest_axis(marks.body_up()));
+        (pose(looked_at[best]), own_up)
     };
     straighten_legs(recording, &bones, rest_up, &mut rest);
     level_feet(recording, &bones, &tracks, up, rest_up, &mut rest);
