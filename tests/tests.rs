@@ -30,8 +30,10 @@ mod limits;
 mod limits_grid;
 /// What the measures say of a walk over force plates.
 mod measure;
-/// Clips of every kind: sizes, ways, feet, writing back; broken ones.
+/// Clips of every kind: sizes, ways, feet, writing back.
 mod mocap;
+/// Clips made by hand, broken and malicious ones.
+mod mocap_files;
 /// Contact sheets of real rigs.
 mod picture;
 /// The articulated body: falls, balls, grounds, breakdowns.

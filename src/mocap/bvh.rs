@@ -6,6 +6,7 @@
 //! not round. What is broken is told with its line. Leaves out several roots: the first is read, the rest is an error.
 
 use super::MocapError;
+use super::rate::MOST_FRAMES;
 use crate::rig::Trs;
 use glam::{DQuat, DVec3};
 use std::borrow::Cow;
@@ -231,7 +232,7 @@ fn motion(words: &mut Words, bvh: &mut Bvh) -> Result<(), Fault> {
         return Err((line, "no joint has a channel: nothing moves".to_owned()));
     }
     let wanted = announced * bvh.width as f64;
-    if wanted > MOST_VALUES as f64 {
+    if wanted > MOST_VALUES as f64 || announced > MOST_FRAMES as f64 {
         return Err((line, format!("{announced} frames of {} values are too many", bvh.width)));
     }
     let wanted = wanted as usize;
@@ -358,6 +359,7 @@ mod tests {
             |from: &str, to: &str| Bvh::parse("f.bvh", &SMALL.replacen(from, to, 1)).expect_err(to).to_string();
         assert!(broken("90 0 0", "90 nan 0").contains("f.bvh: line 14"), "{}", broken("90 0 0", "90 nan 0"));
         assert!(broken("4 5 6 0 0 0", "4 5 6").contains("frame 1 of 2 (6 of its 9"), "cut off");
+        assert!(broken("Frames: 2", "Frames: 9999999").contains("too many"));
         assert!(broken("Frames: 2", "Frames: 9e99").contains("no number that can be used"));
         assert!(broken("Frames: 2", "Frames: -1").contains("one at least"));
         assert!(broken("0.04", "0").contains("frame time"));

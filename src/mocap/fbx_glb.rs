@@ -13,6 +13,9 @@ use serde_json::{Value, json};
 /// Relative to itself, m or radians: what moves less stands still.
 const STILL: f64 = 1e-7;
 
+/// Transforms that are written at most.
+const MOST_TRANSFORMS: usize = 1 << 26;
+
 /// The bytes of the GLB.
 pub fn write(fbx: &Fbx, file: &str, said: &Said, options: &Options) -> Result<Vec<u8>, MocapError> {
     let clips = fbx.names().len();
@@ -54,12 +57,17 @@ pub fn write(fbx: &Fbx, file: &str, said: &Said, options: &Options) -> Result<Ve
         .collect();
     let roots: Vec<usize> = (0..nodes.len()).filter(|node| nodes[*node].parent.is_none()).collect();
     let mut out = Buffer::default();
-    let mut animations = Vec::new();
+    let (mut animations, mut evaluated) = (Vec::new(), 0_usize);
     for clip in 0..clips {
         let times = fbx.clip(file, clip, options.fps);
         let name = fbx.names().swap_remove(clip);
         let still = ClipTimes { name: name.clone(), start: 0.0, fps: 30.0, frames: 0 };
         let times = times.unwrap_or(still); // a stack without keys keeps its index
+        evaluated += times.frames.saturating_mul(nodes.len());
+        if evaluated > MOST_TRANSFORMS {
+            let what = format!("{} nodes in so many frames are too many to write", nodes.len());
+            return Err(MocapError::Malformed { file: file.into(), place: format!("clip \"{name}\""), what });
+        }
         animations.push(animation(fbx, clip, &times, &rest, &place, &mut out));
     }
     let mut document = json!({

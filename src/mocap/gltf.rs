@@ -10,9 +10,12 @@ use crate::rig::clips::{Tracks, names_in, read_tracks};
 use crate::rig::document::Resolve;
 use crate::rig::nodes::{globals, order, read_nodes};
 use crate::rig::space::{Landmarks, nearest_axis};
-use crate::rig::{Document, Rig, RigError, RigNode, bind, load_bytes};
+use crate::rig::{Document, Fault, Rig, RigError, RigNode, bind, load_bytes};
 use glam::DVec3;
 use std::sync::Arc;
+
+/// Nodes of a document that draws no body.
+const MOST_NODES: usize = 20_000;
 
 /// A document that was read.
 #[derive(Clone, Debug)]
@@ -38,6 +41,10 @@ impl Gltf {
         }
         let document = Document::parse(name, bytes, resolve)?;
         let mut nodes = read_nodes(&document).map_err(|fault| fault.in_file(name))?;
+        if nodes.len() > MOST_NODES {
+            let what = format!("{} nodes: over {MOST_NODES} are too many for a skeleton", nodes.len());
+            return Err(Fault::new("nodes", what).in_file(name).into());
+        }
         let skins = bind::read_skins(&document).map_err(|fault| fault.in_file(name))?;
         bind::set_bind_pose(&mut nodes, &skins);
         Ok(Gltf { document: Arc::new(document), nodes, rig: None })

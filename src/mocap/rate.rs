@@ -26,8 +26,8 @@ const SLOWEST: f64 = 20.0;
 const ON_GRID: f64 = 0.98;
 /// Frames that a clip of few keys may be read as: 20 minutes at 30 Hz.
 const MOST_FROM_FEW: usize = 36_000;
-/// Frames of any clip.
-pub const MOST_FRAMES: usize = 4_000_000;
+/// Frames of any clip: two hours at 120 Hz, some 1.2 GB of captured joints.
+pub const MOST_FRAMES: usize = 1_000_000;
 
 /// Hz of a frame time (s): the known rate that is meant where it is within what six decimals lose, else to a thousandth.
 pub fn of_frame_time(frame_time: f64) -> f64 {
@@ -71,7 +71,7 @@ pub fn of_keys<'a>(tracks: impl Iterator<Item = &'a [f32]>, start: f64) -> Optio
 /// How many frames a clip of that length has; `None` if they are too many for what its `keys` can tell.
 pub fn frames(seconds: f64, fps: f64, keys: usize) -> Option<usize> {
     let frames = (seconds * fps + 0.01).floor() + 1.0;
-    let most = MOST_FROM_FEW.max(keys.saturating_mul(4)).min(MOST_FRAMES);
+    let most = MOST_FROM_FEW.max(keys.saturating_mul(2)).min(MOST_FRAMES);
     (frames >= 1.0 && frames <= most as f64).then_some(frames as usize)
 }
 

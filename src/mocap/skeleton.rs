@@ -16,6 +16,8 @@ use std::collections::BTreeMap;
 
 /// Frames that are looked at to find up, a rest pose and level feet.
 const LOOKED_AT: usize = 240;
+/// Nodes of all of them together.
+const LOOKED_AT_NODES: usize = 500_000;
 /// rad: a foot whose sole is nearer to level than that in the rest pose stays.
 const LEVEL: f64 = 0.03;
 /// Body against the up axis, and a leg's straightness (thigh along shank), from which a pose stands.
@@ -63,7 +65,8 @@ pub struct Said<'a> {
 
 /// The humanoid at its rest pose, in metres, and the file's up axis. `file` is its name in messages.
 pub fn stand(file: &str, recording: &Recording, said: &Said) -> Result<(Rig, DVec3), MocapError> {
-    let step = recording.frames.div_ceil(LOOKED_AT).max(1);
+    let most = LOOKED_AT.min(LOOKED_AT_NODES / recording.names.len().max(1)).max(3);
+    let step = recording.frames.div_ceil(most).max(1);
     let looked_at: Vec<usize> = (0..recording.frames).step_by(step).collect();
     let (mut rig, up) = find(file, recording, &looked_at, said)?;
     settle_unit(&mut rig, recording.unit, said.unit);

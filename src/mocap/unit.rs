@@ -46,6 +46,8 @@ pub fn of(leg: f64, height: f64, said: f64) -> Unit {
     let far = |(unit, less): &(f64, f64)| (leg * unit / LEG).ln().abs() + less;
     let fitting = UNITS.iter().filter(|(unit, _)| person(*unit));
     match fitting.min_by(|a, b| far(a).total_cmp(&far(b))) {
+        // Centimetres where nothing was said are nothing to tell.
+        Some((unit, _)) if said == 1.0 && [0.01, 0.001].contains(unit) => Unit { metres: *unit, note: None },
         Some((unit, _)) => {
             Unit { metres: *unit, note: Some(format!("a leg is {leg:.2} units long: taken as {unit:.4} m each")) }
         }

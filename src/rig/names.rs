@@ -8,6 +8,7 @@ use super::RigNode;
 use crate::model::Role;
 use serde::Deserialize;
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 /// The tables, most common first: on a tie the earlier wins.
 const TABLES: [&str; 13] = [
@@ -25,6 +26,12 @@ const TABLES: [&str; 13] = [
     include_str!("../../rigs/names/12_opensim.toml"),
     include_str!("../../rigs/names/13_makehuman.toml"),
 ];
+
+/// The tables, read once: a folder of clips asks for them thousands of times.
+static READ: LazyLock<Vec<Table>> = LazyLock::new(|| {
+    let read = |text: &&str| toml::from_str(text).expect("the tables in rigs/names are read by a test");
+    TABLES.iter().map(read).collect()
+});
 
 /// What a table found.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,12 +86,11 @@ fn lacking(found: &NameMatch, given: &[Role]) -> Vec<Role> {
 fn tries(nodes: &[RigNode], rank: &[u8]) -> Vec<NameMatch> {
     let schemes = schemes(nodes, rank);
     let mut found = Vec::new();
-    for text in TABLES {
-        let table: Table = toml::from_str(text).expect("the tables in rigs/names are read by a test");
+    for table in READ.iter() {
         for index in &schemes {
             for prefix in &table.prefixes {
                 for sides in std::iter::once(&table.sides).chain(&table.other_sides) {
-                    found.extend(try_table(&table, &canonical(prefix), sides, index, nodes));
+                    found.extend(try_table(table, &canonical(prefix), sides, index, nodes));
                 }
             }
         }
