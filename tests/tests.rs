@@ -5,6 +5,8 @@
 mod architecture;
 /// The articulated body: standing, shoved, helped, repeated.
 mod articulated;
+/// `surefoot audit` at the shell: text, JSON, table, page, waivers, many files.
+mod audit_cli;
 /// Height, masses and soles of real rigs and of the built-in one.
 mod bodies;
 /// The program at the shell: exit codes, words, files.

@@ -6,8 +6,10 @@ use std::path::PathBuf;
 /// Reactive stepping and balance, baked into glTF animation clips.
 #[derive(Debug, Parser)]
 #[command(name = "surefoot", version, about, max_term_width = 100)]
-#[command(after_help = "Exit codes: 0 done (a fall is a result too); 1 --require-balance fell; 2 bad usage or input; \
-                        3 the work could not be completed.")]
+#[command(
+    after_help = "Exit codes: 0 done (a fall is a result too); 1 bake --require-balance fell, or audit --strict found flags; 2 bad \
+                        usage or input; 3 the work could not be completed."
+)]
 pub struct Args {
     /// What to do.
     #[command(subcommand)]
@@ -19,8 +21,8 @@ pub struct Args {
 pub enum Command {
     /// Bake a scenario onto a rig: one new clip in a copy of the rig's file
     Bake(BakeArgs),
-    /// (not in this version yet) Find the frames of a clip whose feet disagree with its balance
-    Audit(LaterArgs),
+    /// Find the frames of captured or keyed clips that no balanced person could have produced
+    Audit(AuditArgs),
     /// (not in this version yet) Move the feet of a clip to where its balance needs them
     Correct(LaterArgs),
     /// (not in this version yet) Bake every variation of a sweep
@@ -84,6 +86,50 @@ pub struct BakeArgs {
     /// Print the result as one JSON object
     #[arg(long)]
     pub json: bool,
+}
+
+/// `surefoot audit`.
+#[derive(Debug, clap::Args)]
+pub struct AuditArgs {
+    /// .bvh, .fbx, .glb, .gltf, .vrm or .vrma files, folders of them, or patterns with * and ?
+    #[arg(value_name = "CLIP", required = true)]
+    pub clips: Vec<PathBuf>,
+    /// Only the clip of that name; every clip of each file where left out
+    #[arg(long, value_name = "NAME")]
+    pub clip: Option<String>,
+    /// Write the findings as JSON: one object for one clip, an array for several; - is stdout
+    #[arg(long, value_name = "FILE|-")]
+    pub json: Option<PathBuf>,
+    /// Write a table with a row a frame
+    #[arg(long, value_name = "FILE.csv", value_parser = csv_path)]
+    pub csv: Option<PathBuf>,
+    /// Write a page to look through: stick figure, footprints, curves, flags
+    #[arg(long, value_name = "FILE.html", value_parser = html_path)]
+    pub html: Option<PathBuf>,
+    /// Exit 1 if a flag stands that is not waived
+    #[arg(long)]
+    pub strict: bool,
+    /// Flags that a person accepted, in TOML; --write-waivers writes one to start from
+    #[arg(long, value_name = "FILE.toml")]
+    pub waive: Option<PathBuf>,
+    /// Write a waiver for every flag that there is
+    #[arg(long, value_name = "FILE.toml", value_parser = toml_path)]
+    pub write_waivers: Option<PathBuf>,
+    /// Frames per second, where the file is wrong about it
+    #[arg(long, value_name = "N", value_parser = |text: &str| number(text, 1.0, 2000.0, "frames per second"))]
+    pub fps: Option<f64>,
+    /// The file's up axis, where it was not found: X, Y or Z, with a sign if you like
+    #[arg(long, value_name = "AXIS", value_parser = axis, allow_hyphen_values = true)]
+    pub up: Option<String>,
+    /// Metres a unit of the file, where it was not found: 0.01 for centimetres
+    #[arg(long, value_name = "METRES", value_parser = |text: &str| number(text, 1e-6, 1e3, "metres a unit"))]
+    pub unit: Option<f64>,
+    /// Height of the floor over the file's zero in metres, where the feet mislead
+    #[arg(long, value_name = "M", value_parser = |text: &str| number(text, -1e4, 1e4, "m"), allow_hyphen_values = true)]
+    pub floor: Option<f64>,
+    /// How many clips at once; as many as there are cores where left out
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub jobs: Option<u16>,
 }
 
 /// `surefoot inspect`.
@@ -222,6 +268,29 @@ fn svg_path(text: &str) -> Result<PathBuf, String> {
     with_ending(text, &["svg"], "the plot is an SVG file: let its name end in .svg")
 }
 
+fn csv_path(text: &str) -> Result<PathBuf, String> {
+    with_ending(text, &["csv"], "the table is a CSV file: let its name end in .csv")
+}
+
+fn html_path(text: &str) -> Result<PathBuf, String> {
+    with_ending(text, &["html", "htm"], "the page is an HTML file: let its name end in .html")
+}
+
+fn toml_path(text: &str) -> Result<PathBuf, String> {
+    with_ending(text, &["toml"], "waivers are a TOML file: let its name end in .toml")
+}
+
+fn axis(text: &str) -> Result<String, String> {
+    let (sign, letter) = match text.strip_prefix('-') {
+        Some(rest) => ('-', rest),
+        None => ('+', text.strip_prefix('+').unwrap_or(text)),
+    };
+    match letter.to_ascii_uppercase().as_str() {
+        letter @ ("X" | "Y" | "Z") => Ok(format!("{sign}{letter}")),
+        _ => Err("give X, Y or Z, with a sign if you like".to_owned()),
+    }
+}
+
 fn with_ending(text: &str, endings: &[&str], remedy: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
@@ -274,6 +343,17 @@ mod tests {
 
     #[test]
     fn what_is_to_come_takes_any_arguments() {
-        assert!(matches!(parsed("surefoot audit a.glb --json - --strict"), Ok(Command::Audit(_))));
+        assert!(matches!(parsed("surefoot correct a.glb --json - --strict"), Ok(Command::Correct(_))));
+    }
+
+    #[test]
+    fn an_audit_takes_many_clips_and_checks_the_form_of_its_flags() {
+        let line = "surefoot audit a.bvh b.fbx --json - --strict --up -z --floor -0.2 --jobs 3";
+        let Ok(Command::Audit(args)) = parsed(line) else { panic!("{line}") };
+        assert_eq!((args.clips.len(), args.up.as_deref(), args.floor, args.jobs), (2, Some("-Z"), Some(-0.2), Some(3)));
+        assert!(parsed("surefoot audit").is_err(), "no clip");
+        for flag in ["--up W", "--unit 0", "--fps 0", "--jobs 0", "--csv a.bvh", "--html a.png", "--floor nan"] {
+            assert!(parsed(&format!("surefoot audit a.bvh {flag}")).is_err(), "{flag}");
+        }
     }
 }

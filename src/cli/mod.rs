@@ -4,8 +4,14 @@
 //! work, `writer` puts whole files on the disk. Results go to stdout, messages to stderr. No panic reaches the shell.
 
 pub mod args;
+pub mod audit;
+pub mod audit_json;
+pub mod audit_table;
+pub mod audit_text;
 pub mod bake;
+pub mod clip_files;
 pub mod exit_code;
+pub mod glob;
 pub mod inspect;
 pub mod interrupt;
 pub mod new;
@@ -13,6 +19,7 @@ pub mod parts;
 pub mod resolve;
 pub mod scenario_fault;
 pub mod sheet;
+pub mod waivers;
 pub mod writer;
 
 use args::{Args, Command};
@@ -50,7 +57,7 @@ fn dispatch(command: Command) -> Result<Exit, Failure> {
         Command::Inspect(args) => inspect::run(&args),
         Command::New(args) => new::run(&args),
         Command::Sheet(args) => sheet::run(&args),
-        Command::Audit(_) => Err(not_yet("audit")),
+        Command::Audit(args) => audit::run(&args),
         Command::Correct(_) => Err(not_yet("correct")),
         Command::Batch(_) => Err(not_yet("batch")),
         Command::Studio(_) => Err(not_yet("studio")),
@@ -59,7 +66,7 @@ fn dispatch(command: Command) -> Result<Exit, Failure> {
 
 fn not_yet(command: &str) -> Failure {
     Failure::bad_input(format!(
-        "`surefoot {command}` is not in this version yet\n  help: this version has bake, inspect, new and sheet"
+        "`surefoot {command}` is not in this version yet\n  help: this version has audit, bake, inspect, new and sheet"
     ))
 }
 

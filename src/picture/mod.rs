@@ -1,4 +1,4 @@
-//! Pictures as bytes: contact sheets, drawn on the CPU, and plots.
+//! Pictures as bytes: contact sheets, drawn on the CPU, plots, and the page of an audit ([`report_page`]).
 //!
 //! [`sheet()`] shows a clip on its rig at the moments that tell, [`film`] at equal distances, [`stick_strip`] poses of a
 //! body alone, as capsules. Below them: [`skin`] poses a rig's mesh, [`compose`] lays out a page of [`Frame`]s,
@@ -14,6 +14,9 @@ pub mod paint;
 pub mod plan;
 pub mod plot;
 pub mod raster;
+pub mod report_data;
+pub mod report_frames;
+pub mod report_page;
 pub mod seen;
 pub mod shadow;
 pub mod sheet;
