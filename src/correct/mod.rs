@@ -19,7 +19,7 @@ mod verdict;
 
 use crate::audit::{AuditOptions, audit};
 use crate::model::findings::{Findings, Flag, Rule};
-use crate::model::{Capture, Role, Side};
+use crate::model::{Capture, Side};
 use posing::Piece;
 use seen::with_seen;
 use std::collections::BTreeMap;
@@ -53,6 +53,8 @@ pub struct Corrected {
     pub after: Findings,
     /// What was done, in order.
     pub done: Vec<Done>,
+    /// m: how far the point of the sole that bears goes, in the contacts whose foot was held; the worst.
+    pub slip: f64,
     /// By how much faster the clip plays now; 1 unless it was retimed.
     pub speed: f64,
     /// Sentences for a person: what could not be mended, and why.
@@ -150,7 +152,20 @@ pub fn correct(source: &Capture, options: &CorrectOptions) -> Corrected {
         notes.push(format!("frames {}-{}: could not mend that {}", flag.start, flag.end, flag.why));
     }
     let changed = changed(source, &capture);
-    Corrected { capture, changed, before, after, done, speed, notes }
+    let slip = slip(&capture, &done);
+    Corrected { capture, changed, before, after, done, slip, speed, notes }
+}
+
+/// m: the worst of the contacts that were held.
+fn slip(capture: &Capture, done: &[Done]) -> f64 {
+    let held: Vec<_> = done.iter().flat_map(|done| &done.held).collect();
+    if held.is_empty() {
+        return 0.0;
+    }
+    with_seen(capture, |seen| {
+        let contacts = held.iter().filter_map(|(side, start, end)| seen.contact(*side, *start, *end));
+        contacts.map(|index| slides::slip(seen, &seen.feet.contacts[index])).fold(0.0, f64::max)
+    })
 }
 
 fn wanted(options: &CorrectOptions, rule: Rule) -> bool {
@@ -195,20 +210,22 @@ fn flag_group(flags: &[Flag], rule: Rule, join: usize) -> Vec<Vec<Flag>> {
 
 /// Joints whose turn relative to their parent is another, and the hips where they are elsewhere.
 fn changed(source: &Capture, capture: &Capture) -> BTreeMap<usize, Vec<usize>> {
-    const SAME: f64 = 1e-9;
+    const SAME: f64 = 1e-9; // m, and the sine of half an angle
     let body = &source.body;
     let mut changed = BTreeMap::new();
     for frame in 0..source.frames().min(capture.frames()) {
         let (was, is) = (source.turns_at(frame), capture.turns_at(frame));
-        let moved = |joint: usize| source.at(frame)[joint].distance(capture.at(frame)[joint]) > SAME;
         let joints: Vec<usize> = (0..body.joints.len())
             .filter(|joint| match body.joints[*joint].parent {
+                Some(parent) if is[*joint] == was[*joint] && is[parent] == was[parent] => false,
                 Some(parent) => {
                     let relative = |turns: &[glam::DQuat]| turns[parent].inverse() * turns[*joint];
-                    is[*joint] != was[*joint] && 1.0 - relative(was).dot(relative(is)).abs() > SAME * SAME
-                        || is[parent] != was[parent] && 1.0 - relative(was).dot(relative(is)).abs() > 1e-15
+                    let by = relative(was).inverse() * relative(is);
+                    glam::DVec3::new(by.x, by.y, by.z).length() > SAME
                 }
-                None => body.joints[*joint].role == Role::Hips && (moved(*joint) || is[*joint] != was[*joint]),
+                None => {
+                    source.at(frame)[*joint].distance(capture.at(frame)[*joint]) > SAME || is[*joint] != was[*joint]
+                }
             })
             .collect();
         if !joints.is_empty() {

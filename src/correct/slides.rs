@@ -5,7 +5,7 @@
 //! sole is flat the foot keeps one heading, unless it turns on the spot by more than a few degrees: then that is what it does.
 
 use super::Fix;
-use super::posing::{Goal, Piece, as_it_is, pose};
+use super::posing::{Goal, as_it_is, pose};
 use super::seen::{Seen, eased, side_of};
 use crate::audit::contacts::Contact;
 use crate::measure::support::levelled_point;
@@ -193,16 +193,8 @@ pub fn held_point(capture: &Capture, frame: usize, side: Side, part: Bears) -> D
 }
 
 /// m: how far a held foot's bearing point goes within a contact.
-pub fn slip(seen: &Seen, piece: Option<&Piece>, contact: &Contact) -> f64 {
-    let mut own = None;
-    let capture = match piece {
-        Some(piece) => {
-            let mut posed = seen.capture().clone();
-            piece.clone().swap(&mut posed);
-            own.insert(posed)
-        }
-        None => seen.capture(),
-    };
+pub fn slip(seen: &Seen, contact: &Contact) -> f64 {
+    let capture = seen.capture();
     let parts = parts(seen, contact);
     let (mut worst, mut from) = (0.0_f64, 0);
     for index in 0..parts.len() {

@@ -224,6 +224,13 @@ impl Track {
         }
     }
 
+    /// The keys as the file has them: times, numbers (of a spline in-tangent, value and out-tangent), whether it is a spline or steps.
+    pub fn keys(&self) -> (Vec<f32>, Vec<Vec<f32>>, bool, bool) {
+        let width = self.property.width() * if self.join == Join::Cubic { 3 } else { 1 };
+        let numbers = self.values.chunks_exact(width).map(<[f32]>::to_vec).collect();
+        (self.times.clone(), numbers, self.join == Join::Cubic, self.join == Join::Step)
+    }
+
     /// The keys around a time and how far between them it is.
     fn place(&self, time: f64) -> (usize, usize, f64) {
         let after = self.times.partition_point(|key| f64::from(*key) <= time);

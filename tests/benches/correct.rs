@@ -11,8 +11,7 @@ use audit_faults::{Planted, Way};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use surefoot::audit::{AuditOptions, audit};
-use surefoot::correct::seen::with_seen;
-use surefoot::correct::{CorrectOptions, Corrected, correct, slides};
+use surefoot::correct::{CorrectOptions, Corrected, correct};
 use surefoot::maths::seed::Seed;
 use surefoot::mocap::read_bvh;
 use surefoot::model::Capture;
@@ -126,13 +125,7 @@ fn judge(row: &mut Row, clean: &Capture, planted: &Planted, corrected: &Correcte
         row.off[0] += off[0];
         row.off[1] += off[1];
     }
-    let mut slip: f64 = 0.0;
-    with_seen(&corrected.capture, |seen| {
-        for (side, start, end) in corrected.done.iter().flat_map(|done| &done.held) {
-            let Some(contact) = seen.contact(*side, *start, *end) else { continue };
-            slip = slip.max(slides::slip(seen, None, &seen.feet.contacts[contact]));
-        }
-    });
+    let slip = corrected.slip;
     row.slips.push(slip);
     if told {
         let frames = planted.span;
