@@ -113,14 +113,11 @@ pub fn correct(source: &Capture, options: &CorrectOptions) -> Corrected {
     let mut notes = Vec::new();
     if let Some(faster) = retime::speed(source, &before) {
         if options.retime && wanted(options, Rule::Timing) {
-            let faster_clip = Capture { fps: source.fps * faster, ..source.clone() };
-            let found = audit(&faster_clip, &options.audit);
-            if verdict::cost(&found.flags) <= verdict::cost(&before.flags) && found.clip_flags.is_empty() {
-                (capture, after, speed) = (faster_clip, found, faster);
-            } else {
-                notes.push(format!(
-                    "playing {faster:.2} times as fast would not make the clip cleaner: it keeps its speed"
-                ));
+            match retime::retimed(source, &before, &options.audit) {
+                Some((clip, found)) => (speed, capture, after) = (clip.fps / source.fps, clip, found),
+                None => notes.push(format!(
+                    "playing {faster:.2} times as fast would not mend the clip's timing: it keeps its speed"
+                )),
             }
         } else {
             notes.push(format!(
@@ -152,8 +149,19 @@ pub fn correct(source: &Capture, options: &CorrectOptions) -> Corrected {
         notes.push(format!("frames {}-{}: could not mend that {}", flag.start, flag.end, flag.why));
     }
     let changed = changed(source, &capture);
+    restore(source, &mut capture, &changed);
     let slip = slip(&capture, &done);
     Corrected { capture, changed, before, after, done, slip, speed, notes }
+}
+
+/// What was changed by nothing that counts is the source's again, bit for bit.
+fn restore(source: &Capture, capture: &mut Capture, changed: &BTreeMap<usize, Vec<usize>>) {
+    let joints = source.body.joints.len();
+    for frame in (0..source.frames()).filter(|frame| !changed.contains_key(frame)) {
+        let range = frame * joints..(frame + 1) * joints;
+        capture.positions[range.clone()].copy_from_slice(&source.positions[range.clone()]);
+        capture.turns[range.clone()].copy_from_slice(&source.turns[range]);
+    }
 }
 
 /// m: the worst of the contacts that were held.

@@ -3,7 +3,7 @@
 //! The pendulum's clock (`audit::timing`) tells it. Retiming changes the frame rate alone: every pose stays as it is.
 
 use super::seen::with_seen;
-use crate::audit::timing;
+use crate::audit::{AuditOptions, audit, timing};
 use crate::model::Capture;
 use crate::model::findings::{Findings, Rule};
 
@@ -13,4 +13,18 @@ pub fn speed(capture: &Capture, findings: &Findings) -> Option<f64> {
     let clock = with_seen(capture, |seen| timing::clock(&seen.track, &seen.feet, &seen.domain))?;
     let measured = (clock.across.max(0.05) * clock.along.max(0.05)).sqrt();
     Some((1.0 / measured.sqrt()).clamp(0.25, 4.0))
+}
+
+/// The clip at a frame rate at which its clock is right, and what is found then; `None` if there is none.
+pub fn retimed(capture: &Capture, findings: &Findings, options: &AuditOptions) -> Option<(Capture, Findings)> {
+    const TRIES: usize = 4;
+    let (mut clip, mut found) = (capture.clone(), findings.clone());
+    for _ in 0..TRIES {
+        clip.fps *= speed(&clip, &found)?;
+        found = audit(&clip, options);
+        if !found.clip_flags.iter().any(|flag| flag.rule == Rule::Timing) {
+            return Some((clip, found));
+        }
+    }
+    None
 }

@@ -2,10 +2,12 @@
 //!
 //! "gone" is a planted fault that the audit flagged and flags no more; "of all" counts what it never saw as not gone. "new" are flags where
 //! neither the spoiled clip nor the clean one had any. "off" is how far the spoiled joints are from the clip as it was, mean over the span, before and after;
-//! slip is that of the feet that were locked.
+//! slip is that of the feet that were locked. With SUREFOOT_STRIPS=FOLDER the first clips of each fault are drawn there: spoiled, corrected, as it was.
 
 #[path = "../audit_faults.rs"]
 mod audit_faults;
+#[path = "../stick_strip.rs"]
+mod stick_strip;
 
 use audit_faults::{Planted, Way};
 use rayon::prelude::*;
@@ -78,6 +80,9 @@ fn main() {
         let mut row = Row::default();
         for ((at, _), result) in jobs.iter().zip(&results) {
             let Some((clip, planted, corrected)) = result else { continue };
+            if row.planted < 3 {
+                draw(name, row.planted, &clips[*at].1, planted, corrected);
+            }
             judge(&mut row, &clips[*at].1, planted, corrected, clip, told);
         }
         row.slips.sort_by(f64::total_cmp);
@@ -143,6 +148,21 @@ fn judge(row: &mut Row, clean: &Capture, planted: &Planted, corrected: &Correcte
         }
         for flag in &corrected.after.flags {
             println!("      after {}-{} {} {:.2}", flag.start, flag.end, flag.rule.name(), flag.delta_m);
+        }
+    }
+}
+
+fn draw(name: &str, number: usize, clean: &Capture, planted: &Planted, corrected: &Corrected) {
+    let Some(folder) = std::env::var_os("SUREFOOT_STRIPS") else { return };
+    let edge = (0.4 * clean.fps) as usize;
+    let span = (planted.span.0.saturating_sub(edge), planted.span.1 + edge);
+    let every = ((span.1 - span.0) / 16).max(1);
+    let rows = [&planted.capture, &corrected.capture, clean];
+    for (front, view) in [(false, "side"), (true, "front")] {
+        let image = stick_strip::strip(&rows, span, every, front);
+        let file = format!("{}_{number}_{view}.png", name.replace(' ', "_"));
+        if let Err(error) = image.save(Path::new(&folder).join(file)) {
+            println!("cannot draw: {error}");
         }
     }
 }
