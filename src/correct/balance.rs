@@ -28,14 +28,17 @@ const CARRIED: f64 = 0.85;
 const CARRY: f64 = 0.06;
 /// m: a pelvis that is lower than beside the span by more comes up.
 const SUNK: f64 = 0.015;
+/// A pelvis whose path loses more than the rest of its unsteadiness was off itself.
+const CALMER: f64 = 0.5;
 
-/// Proposals for the flags of balance.
-pub fn fixes(seen: &Seen, findings: &Findings, attempt: usize) -> Vec<Fix> {
+/// Proposals for the flags of balance; `odd`: only where the pelvis's path becomes much smoother by it, so that it is the body that is off
+/// and not a foot.
+pub fn fixes(seen: &Seen, findings: &Findings, attempt: usize, odd: bool) -> Vec<Fix> {
     let groups = flag_group(&findings.flags, Rule::Balance, seen.frames_in(JOIN));
-    groups.iter().filter_map(|group| fix(seen, group, attempt)).collect()
+    groups.iter().filter_map(|group| fix(seen, group, attempt, odd)).collect()
 }
 
-fn fix(seen: &Seen, group: &[Flag], attempt: usize) -> Option<Fix> {
+fn fix(seen: &Seen, group: &[Flag], attempt: usize, odd: bool) -> Option<Fix> {
     let first = group.first()?;
     let edge = seen.frames_in(EDGE * if attempt == 2 { 2.0 } else { 1.0 });
     let start = first.start.saturating_sub(edge);
@@ -45,6 +48,9 @@ fn fix(seen: &Seen, group: &[Flag], attempt: usize) -> Option<Fix> {
     }
     let capture = seen.capture();
     let shift = over_the_feet(seen, start, end, attempt == 1);
+    if odd && !smoother(seen, start, &shift) {
+        return None;
+    }
     let rise = rise(seen, start, end);
     let goals: Vec<Goal> = (start..=end)
         .map(|frame| {
@@ -58,6 +64,20 @@ fn fix(seen: &Seen, group: &[Flag], attempt: usize) -> Option<Fix> {
     let moved = goals.iter().map(|goal| goal.body.length()).fold(0.0, f64::max);
     let what = format!("pelvis and trunk moved by up to {:.1} cm, the feet held", 100.0 * moved);
     Some(Fix { piece, flag: first.clone(), moved, what, held: Vec::new() })
+}
+
+/// Whether the shift takes most of the unsteadiness out of the pelvis's path.
+fn smoother(seen: &Seen, start: usize, shift: &[DVec2]) -> bool {
+    let roughness = |share: f64| -> f64 {
+        let place = |index: usize| {
+            let hips = seen.at(start + index, 0);
+            DVec2::new(hips.x, hips.z) + shift[index] * share
+        };
+        (1..shift.len().saturating_sub(1))
+            .map(|index| (place(index - 1) - place(index) * 2.0 + place(index + 1)).length_squared())
+            .sum()
+    };
+    roughness(1.0) < CALMER * roughness(0.0)
 }
 
 /// m, (x, z), (frames): what the pelvis is moved by.

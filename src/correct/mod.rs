@@ -97,14 +97,37 @@ pub struct Fix {
     pub held: Vec<(Side, usize, usize)>,
 }
 
-/// The order of the passes: what moves the whole body first, then feet, then the body over its feet.
-const ORDER: [&[Rule]; 5] = [
-    &[Rule::Penetration, Rule::Float],
-    &[Rule::FootSlide, Rule::Drift],
-    &[Rule::FootPlacement],
-    &[Rule::Balance],
-    &[Rule::Ballistic],
-];
+/// A pass over the flags of some rules.
+#[derive(Clone, Copy, PartialEq)]
+enum Pass {
+    /// Penetration and float.
+    Heights,
+    /// Balance, where the pelvis's own path is what is odd.
+    Body,
+    /// Foot-slide and drift.
+    Slides,
+    /// Foot-placement.
+    Plants,
+    /// Balance, whatever is left of it.
+    Balance,
+    /// Ballistic.
+    Flights,
+}
+
+/// What moves the whole body comes first: feet are judged by where the body is.
+const ORDER: [Pass; 6] = [Pass::Heights, Pass::Body, Pass::Slides, Pass::Plants, Pass::Balance, Pass::Flights];
+
+impl Pass {
+    fn rules(self) -> &'static [Rule] {
+        match self {
+            Pass::Heights => &[Rule::Penetration, Rule::Float],
+            Pass::Slides => &[Rule::FootSlide, Rule::Drift],
+            Pass::Plants => &[Rule::FootPlacement],
+            Pass::Body | Pass::Balance => &[Rule::Balance],
+            Pass::Flights => &[Rule::Ballistic],
+        }
+    }
+}
 
 /// Corrects a clip.
 pub fn correct(source: &Capture, options: &CorrectOptions) -> Corrected {
@@ -130,13 +153,13 @@ pub fn correct(source: &Capture, options: &CorrectOptions) -> Corrected {
     let mut done: Vec<Done> = Vec::new();
     for _ in 0..ROUNDS {
         let count = done.len();
-        for rules in ORDER {
-            let rules: Vec<Rule> = rules.iter().copied().filter(|rule| wanted(options, *rule)).collect();
+        for pass in ORDER {
+            let rules: Vec<Rule> = pass.rules().iter().copied().filter(|rule| wanted(options, *rule)).collect();
             for attempt in 0..ATTEMPTS {
                 if !after.flags.iter().any(|flag| rules.contains(&flag.rule)) {
                     break;
                 }
-                let fixes = propose(&capture, &after, &rules, attempt);
+                let fixes = propose(&capture, &after, pass, &rules, attempt);
                 let kept = verdict::apply(&mut capture, &mut after, &known, fixes, &options.audit);
                 done.extend(kept);
             }
@@ -181,15 +204,15 @@ fn wanted(options: &CorrectOptions, rule: Rule) -> bool {
 }
 
 /// Fixes that do not meet: where two do, the earlier flag's is proposed.
-fn propose(capture: &Capture, findings: &Findings, rules: &[Rule], attempt: usize) -> Vec<Fix> {
+fn propose(capture: &Capture, findings: &Findings, pass: Pass, rules: &[Rule], attempt: usize) -> Vec<Fix> {
     with_seen(capture, |seen| {
-        let mut fixes: Vec<Fix> = match rules.first() {
-            Some(Rule::Penetration | Rule::Float) => heights::fixes(seen, findings, rules, attempt),
-            Some(Rule::FootSlide | Rule::Drift) => slides::fixes(seen, findings, rules, attempt),
-            Some(Rule::FootPlacement) => placement::fixes(seen, findings, attempt),
-            Some(Rule::Balance) => balance::fixes(seen, findings, attempt),
-            Some(Rule::Ballistic) => flight::fixes(seen, findings, attempt),
-            _ => Vec::new(),
+        let mut fixes: Vec<Fix> = match pass {
+            Pass::Heights => heights::fixes(seen, findings, rules, attempt),
+            Pass::Slides => slides::fixes(seen, findings, rules, attempt),
+            Pass::Plants => placement::fixes(seen, findings, attempt),
+            Pass::Body => balance::fixes(seen, findings, attempt, true),
+            Pass::Balance => balance::fixes(seen, findings, attempt, false),
+            Pass::Flights => flight::fixes(seen, findings, attempt),
         };
         fixes.sort_by_key(|fix| fix.piece.start);
         let mut free = 0;

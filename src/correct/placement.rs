@@ -6,12 +6,14 @@
 //! far less time than the clip's others is stretched until the body is where the foot comes down; its path stays the same.
 
 use super::Fix;
-use super::posing::{as_it_is, pose};
+use super::posing::{as_it_is, leg, pose, under};
 use super::seen::{Seen, eased, judged, side_of};
 use super::slides::{bears, hold};
 use crate::audit::placement::{Judged, median};
+use crate::maths::filter::value_at;
 use crate::model::findings::{Findings, Flag, Rule};
-use glam::{DQuat, DVec2, DVec3};
+use crate::model::{Capture, Side};
+use glam::{DQuat, DVec2, DVec3, DVec4};
 
 /// Share of the limit that an error may keep, by attempt.
 const LEFT: [f64; 3] = [0.25, 0.25, 0.0];
@@ -128,14 +130,14 @@ fn stretch(seen: &Seen, flag: &Flag, step: &Judged) -> Option<Fix> {
     }
     let (start, side) = (from.end, to.side);
     let ankle = capture.body.feet[side as usize].ankle;
-    // Where the foot was at a time of the old swing.
+    // Where the foot was at a time of the old swing, on a smooth curve: a straight one would shake the stretched leg.
     let source =
         |frame: usize| start as f64 + (frame - start) as f64 * (to.start - start) as f64 / (down - start) as f64;
-    let at = |time: f64| {
-        let (a, share) = (time.floor() as usize, time.fract());
-        let b = (a + 1).min(seen.track.len() - 1);
-        (a, b, share)
-    };
+    let (first, last) = (start.saturating_sub(2), (to.start + 2).min(seen.track.len() - 1));
+    let time = |frame: usize| source(frame) - first as f64;
+    let path = |joint: usize| -> Vec<DVec3> { (first..=last).map(|frame| seen.at(frame, joint)).collect() };
+    let ankles = path(ankle);
+    let knees = knees(seen, side, first, last);
     let mut moved: f64 = 0.0;
     let goals: Vec<_> = (start..=down)
         .map(|frame| {
@@ -143,20 +145,27 @@ fn stretch(seen: &Seen, flag: &Flag, step: &Judged) -> Option<Fix> {
             let mut held = [other; 2];
             held[side as usize] = frame == start || frame == down;
             let mut goal = as_it_is(capture, frame, held);
-            let (a, b, share) = at(source(frame));
-            let then = seen.at(a, ankle).lerp(seen.at(b, ankle), share);
+            let then = value_at(&ankles, 1.0, time(frame)).unwrap_or(goal.feet[side as usize].ankle);
             let foot = &mut goal.feet[side as usize];
             moved = moved.max(then.distance(foot.ankle));
             foot.ankle = then;
+            // The knee points, seen from the pelvis, to where it did at that time of the swing.
+            foot.knee = value_at(&knees, 1.0, time(frame)).map(|knee| capture.turns_at(frame)[0] * knee);
             goal
         })
         .collect();
     let (mut piece, _) = pose(capture, start, &goals);
+    let below: Vec<(usize, Vec<DVec3>, Vec<DVec4>)> = under(&capture.body, ankle)
+        .into_iter()
+        .map(|joint| (joint, path(joint), turns(capture, joint, first, last)))
+        .collect();
     for frame in start + 1..down {
-        let (a, b, share) = at(source(frame));
-        let turns: Vec<DQuat> =
-            capture.turns_at(a).iter().zip(capture.turns_at(b)).map(|(a, b)| a.slerp(nearer(*a, *b), share)).collect();
-        let places: Vec<DVec3> = capture.at(a).iter().zip(capture.at(b)).map(|(a, b)| a.lerp(*b, share)).collect();
+        let (mut places, mut turns) = (capture.at(frame).to_vec(), capture.turns_at(frame).to_vec());
+        for (joint, path, turned) in &below {
+            places[*joint] = value_at(path, 1.0, time(frame)).unwrap_or(places[*joint]);
+            let turn = value_at(turned, 1.0, time(frame)).and_then(DVec4::try_normalize);
+            turns[*joint] = turn.map_or(turns[*joint], DQuat::from_vec4);
+        }
         piece.turn_foot_like(&capture.body, frame, side, &turns, &places);
     }
     let late = (down - to.start) as f64 / capture.fps;
@@ -164,6 +173,28 @@ fn stretch(seen: &Seen, flag: &Flag, step: &Judged) -> Option<Fix> {
     Some(Fix { piece, flag: flag.clone(), moved, what, held: Vec::new() })
 }
 
-fn nearer(a: DQuat, b: DQuat) -> DQuat {
-    if a.dot(b) < 0.0 { -b } else { b }
+/// Where a knee points in the pelvis's frame, (frames of a span): from the line between hip and ankle, a little to the thigh's front.
+fn knees(seen: &Seen, side: Side, first: usize, last: usize) -> Vec<DVec3> {
+    let capture = seen.capture();
+    let [hip, knee, ankle] = leg(&capture.body, side);
+    let points = |frame: usize| {
+        let places = capture.at(frame);
+        let axis = (places[ankle] - places[hip]).normalize_or(DVec3::NEG_Y);
+        let aside = |vector: DVec3| vector - axis * vector.dot(axis);
+        let front = aside(capture.turns_at(frame)[hip] * DVec3::Z).normalize_or_zero();
+        capture.turns_at(frame)[0].inverse()
+            * (aside(places[knee] - places[hip]) + front * 0.01 * capture.body.leg_length)
+    };
+    (first..=last).map(points).collect()
+}
+
+/// A joint's turns in a span, each on the near side of the one before.
+fn turns(capture: &Capture, joint: usize, first: usize, last: usize) -> Vec<DVec4> {
+    let mut before = DVec4::ZERO;
+    let near = |frame: usize| {
+        let turn = DVec4::from(capture.turns_at(frame)[joint]);
+        before = if turn.dot(before) < 0.0 { -turn } else { turn };
+        before
+    };
+    (first..=last).map(near).collect()
 }

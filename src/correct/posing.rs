@@ -34,6 +34,8 @@ pub struct Foot {
     pub turn: DQuat,
     /// It must be there, whatever the pelvis does for it.
     pub bears: bool,
+    /// Where its knee points, in clip space, if not as it does.
+    pub knee: Option<DVec3>,
 }
 
 /// What a frame shall become.
@@ -109,7 +111,7 @@ impl Piece {
         if goal.ankle.distance(at_ankle) > 1e-9 {
             let straightest = (at_hip.distance(at_ankle) / (upper + lower)).clamp(STRAIGHTEST, 0.9999);
             let forward = self.turns[base + hip] * DVec3::Z;
-            let pole = pole([at_hip, at_knee, at_ankle], goal.ankle, forward);
+            let pole = goal.knee.unwrap_or_else(|| pole([at_hip, at_knee, at_ankle], goal.ankle, forward));
             let solved = two_bone_ik(at_hip, goal.ankle, upper, lower, pole, straightest);
             missed = solved.end.distance(goal.ankle);
             let thigh = shortest_arc(at_knee - at_hip, solved.middle - at_hip);
@@ -138,6 +140,7 @@ pub fn as_it_is(capture: &Capture, frame: usize, bears: [bool; 2]) -> Goal {
         ankle: capture.at(frame)[capture.body.feet[side as usize].ankle],
         turn: DQuat::IDENTITY,
         bears: bears[side as usize],
+        knee: None,
     };
     Goal { body: DVec3::ZERO, feet: Side::BOTH.map(foot) }
 }
