@@ -181,15 +181,6 @@ fn only_the_rules_that_are_named_are_repaired() {
 #[test]
 fn a_clip_that_plays_too_slow_is_retimed_only_when_asked() {
     let (_, reading) = walk();
-    println!(
-        "{:?} {:?}",
-        audit(&reading.capture, &AuditOptions::default()).clip_flags,
-        surefoot::correct::seen::with_seen(&reading.capture, |seen| surefoot::audit::timing::clock(
-            &seen.track,
-            &seen.feet,
-            &seen.domain
-        ))
-    );
     let slow = Capture { fps: 0.6 * reading.capture.fps, ..reading.capture.clone() };
     let told = correct(&slow, &CorrectOptions::default());
     assert_eq!((told.speed, told.capture.fps), (1.0, slow.fps));
@@ -197,7 +188,6 @@ fn a_clip_that_plays_too_slow_is_retimed_only_when_asked() {
         panic!("the slowed walk is not flagged");
     }
     assert!(told.notes.iter().any(|note| note.contains("--retime")), "{:?}", told.notes);
-    println!("{:?}", told.before.clip_flags);
     let faster = correct(&slow, &CorrectOptions { retime: true, ..CorrectOptions::default() });
     assert!((faster.speed - 1.0 / 0.6).abs() < 0.35, "{}", faster.speed);
     assert_eq!(faster.after.clip_flags, []);

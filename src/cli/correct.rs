@@ -175,7 +175,7 @@ fn faster(text: &str, frame_time: f64) -> String {
     let Some(at) = text.to_ascii_lowercase().find("frame time:") else { return text.to_owned() };
     let rest = &text[at + "frame time:".len()..];
     let skipped = rest.len() - rest.trim_start().len();
-    let number = rest.trim_start().split_whitespace().next().map_or(0, str::len);
+    let number = rest.split_whitespace().next().map_or(0, str::len);
     let start = at + "frame time:".len() + skipped;
     format!("{}{frame_time:.9}{}", &text[..start], &text[start + number..])
 }

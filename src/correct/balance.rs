@@ -30,6 +30,8 @@ const CARRY: f64 = 0.06;
 const SUNK: f64 = 0.015;
 /// A pelvis whose path loses more than the rest of its unsteadiness was off itself.
 const CALMER: f64 = 0.5;
+/// How much harder it starts there than nine tenths of the clip do.
+const ABRUPT: f64 = 3.0;
 
 /// Proposals for the flags of balance; `odd`: only where the pelvis's path becomes much smoother by it, so that it is the body that is off
 /// and not a foot.
@@ -66,18 +68,27 @@ fn fix(seen: &Seen, group: &[Flag], attempt: usize, odd: bool) -> Option<Fix> {
     Some(Fix { piece, flag: first.clone(), moved, what, held: Vec::new() })
 }
 
-/// Whether the shift takes most of the unsteadiness out of the pelvis's path.
+/// Whether the pelvis starts and stops there as nowhere else in the clip, and the shift takes most of that out of its path.
 fn smoother(seen: &Seen, start: usize, shift: &[DVec2]) -> bool {
-    let roughness = |share: f64| -> f64 {
-        let place = |index: usize| {
-            let hips = seen.at(start + index, 0);
-            DVec2::new(hips.x, hips.z) + shift[index] * share
+    let bend = |frame: usize, share: f64| {
+        let place = |frame: usize| {
+            let hips = seen.at(frame, 0);
+            let by = frame.checked_sub(start).and_then(|index| shift.get(index)).copied().unwrap_or(DVec2::ZERO);
+            DVec2::new(hips.x, hips.z) + by * share
         };
-        (1..shift.len().saturating_sub(1))
-            .map(|index| (place(index - 1) - place(index) * 2.0 + place(index + 1)).length_squared())
-            .sum()
+        (place(frame - 1) - place(frame) * 2.0 + place(frame + 1)).length()
     };
-    roughness(1.0) < CALMER * roughness(0.0)
+    let end = start + shift.len() - 1;
+    let inner = start.max(1)..end.min(seen.track.len() - 1);
+    let peak = inner.clone().map(|frame| bend(frame, 0.0)).fold(0.0, f64::max);
+    let mut usual: Vec<f64> = (1..seen.track.len() - 1)
+        .filter(|frame| !inner.contains(frame) && seen.domain.walks(*frame))
+        .map(|frame| bend(frame, 0.0))
+        .collect();
+    usual.sort_by(f64::total_cmp);
+    let usual = usual.get(usual.len() * 9 / 10).copied().unwrap_or(0.0);
+    let roughness = |share: f64| inner.clone().map(|frame| bend(frame, share).powi(2)).sum::<f64>();
+    peak > ABRUPT * usual && roughness(1.0) < CALMER * roughness(0.0)
 }
 
 /// m, (x, z), (frames): what the pelvis is moved by.

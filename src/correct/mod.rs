@@ -194,8 +194,11 @@ fn slip(capture: &Capture, done: &[Done]) -> f64 {
         return 0.0;
     }
     with_seen(capture, |seen| {
-        let contacts = held.iter().filter_map(|(side, start, end)| seen.contact(*side, *start, *end));
-        contacts.map(|index| slides::slip(seen, &seen.feet.contacts[index])).fold(0.0, f64::max)
+        let slips = held.iter().filter_map(|(side, start, end)| {
+            let contact = &seen.feet.contacts[seen.contact(*side, *start, *end)?];
+            Some(slides::slip(seen, contact, *start, *end))
+        });
+        slips.fold(0.0, f64::max)
     })
 }
 

@@ -192,18 +192,20 @@ pub fn held_point(capture: &Capture, frame: usize, side: Side, part: Bears) -> D
     }
 }
 
-/// m: how far a held foot's bearing point goes within a contact.
-pub fn slip(seen: &Seen, contact: &Contact) -> f64 {
+/// m: how far the point of a foot that bears goes from a frame to another of a contact.
+pub fn slip(seen: &Seen, contact: &Contact, start: usize, end: usize) -> f64 {
     let capture = seen.capture();
     let parts = parts(seen, contact);
-    let (mut worst, mut from) = (0.0_f64, 0);
-    for index in 0..parts.len() {
-        if parts[index] != parts[from] {
-            from = index;
+    let (mut worst, mut from) = (0.0_f64, None);
+    for frame in start.max(contact.start)..=end.min(contact.end) {
+        let part = parts[frame - contact.start];
+        let place = held_point(capture, frame, contact.side, part);
+        let (_, first) = *from.get_or_insert((part, place));
+        if from.is_some_and(|(was, _)| was != part) {
+            from = Some((part, place));
+            continue;
         }
-        let place = |index: usize| held_point(capture, contact.start + index, contact.side, parts[index]);
-        let way = place(index) - place(from);
-        worst = worst.max(DVec2::new(way.x, way.z).length());
+        worst = worst.max(DVec2::new(place.x - first.x, place.z - first.z).length());
     }
     worst
 }

@@ -59,16 +59,6 @@ pub fn apply(
             return tried.into_iter().map(|tried| tried.done).collect();
         }
         for one in back {
-            if std::env::var_os("DBG").is_some() {
-                eprintln!(
-                    "back {}-{} {} | strange {:?} | found {:?}",
-                    one.done.start,
-                    one.done.end,
-                    one.done.what,
-                    strange.iter().map(|f| (f.start, f.end, f.rule, f.delta_m)).collect::<Vec<_>>(),
-                    found.flags.iter().map(|f| (f.start, f.end, f.rule, f.delta_m)).collect::<Vec<_>>()
-                );
-            }
             one.was.swap(capture);
         }
         if tried.is_empty() {

@@ -7,7 +7,7 @@
 use super::ExportError;
 use super::buffers::Joined;
 use super::glb::{container, list};
-use crate::rig::clips::{Property, Tracks, read_tracks};
+use crate::rig::clips::{Join, Property, RawKeys, Tracks, read_tracks};
 use crate::rig::{Document, RigNode, Trs};
 use glam::DVec4;
 use serde_json::{Map, Value, json};
@@ -110,15 +110,7 @@ impl Keys {
     }
 }
 
-/// A track's keys: times and numbers as the file has them (of a spline three a key).
-struct Curve {
-    times: Vec<f32>,
-    numbers: Vec<Vec<f32>>,
-    cubic: bool,
-    step: bool,
-}
-
-type Curves = BTreeMap<(usize, u8), Curve>;
+type Curves = BTreeMap<(usize, u8), RawKeys>;
 
 /// The new keys of every property that a clip's edits change.
 fn clip_channels(clip: &Amended, tracks: &Tracks, nodes: &[RigNode]) -> Curves {
@@ -150,13 +142,15 @@ fn clip_channels(clip: &Amended, tracks: &Tracks, nodes: &[RigNode]) -> Curves {
 
 /// The old keys with those frames in it.
 fn curve(
-    old: Option<(Vec<f32>, Vec<Vec<f32>>, bool, bool)>,
+    old: Option<RawKeys>,
     frames: &BTreeMap<usize, DVec4>,
     time: &dyn Fn(usize) -> f64,
     sample: &dyn Fn(f64) -> DVec4,
     rotation: bool,
-) -> Curve {
-    let (times, numbers, cubic, step) = old.unwrap_or_default();
+) -> RawKeys {
+    let none = RawKeys { times: Vec::new(), numbers: Vec::new(), join: Join::Linear };
+    let RawKeys { times, numbers, join } = old.unwrap_or(none);
+    let cubic = join == Join::Cubic;
     let slope = |at: f64| {
         // A spline's own tangent: exact but for rounding, since a cubic's central difference errs with its third power alone.
         let near = 1e-4;
@@ -210,7 +204,7 @@ fn curve(
         };
         keys.insert(slot(at), (at as f32, numbers));
     }
-    let mut curve = Curve { times: Vec::new(), numbers: Vec::new(), cubic, step };
+    let mut curve = RawKeys { times: Vec::new(), numbers: Vec::new(), join };
     for (at, numbers) in keys.into_values() {
         if curve.times.last().is_none_or(|last| *last < at) {
             curve.times.push(at);
@@ -224,7 +218,7 @@ fn curve(
 }
 
 /// New rotations on the near side of the key before, so that a reader that does not look for the shorter arc takes it too.
-fn align(curve: &mut Curve, new: &dyn Fn(f64) -> bool) {
+fn align(curve: &mut RawKeys, new: &dyn Fn(f64) -> bool) {
     for index in 1..curve.times.len() {
         let dot: f32 = curve.numbers[index - 1].iter().zip(&curve.numbers[index]).map(|(a, b)| a * b).sum();
         if dot < 0.0 && new(f64::from(curve.times[index])) {
@@ -245,15 +239,15 @@ fn spans(frames: &BTreeMap<usize, DVec4>) -> Vec<(usize, usize)> {
 }
 
 /// Lets a channel of the animation play that curve.
-fn put(animation: &mut Value, node: usize, property: u8, curve: &Curve, keys: &mut Keys) {
+fn put(animation: &mut Value, node: usize, property: u8, curve: &RawKeys, keys: &mut Keys) {
     let path = if property == 0 { "translation" } else { "rotation" };
     let (kind, width) = if property == 0 { ("VEC3", 3) } else { ("VEC4", 4) };
     let input = keys.accessor("SCALAR", &curve.times, 1);
     let output = keys.accessor(kind, &curve.numbers.concat(), width);
-    let interpolation = match (curve.cubic, curve.step) {
-        (true, _) => "CUBICSPLINE",
-        (_, true) => "STEP",
-        _ => "LINEAR",
+    let interpolation = match curve.join {
+        Join::Cubic => "CUBICSPLINE",
+        Join::Step => "STEP",
+        Join::Linear => "LINEAR",
     };
     let Some(fields) = animation.as_object_mut() else { return };
     let at = list(fields, "channels")
@@ -323,5 +317,68 @@ impl Keys {
         let count = accessor["count"].as_u64().unwrap_or(0) as usize;
         let bytes = self.buffer.bytes.get(at..at + 4 * count).unwrap_or(&[]);
         bytes.chunks_exact(4).map(|raw| f32::from_le_bytes([raw[0], raw[1], raw[2], raw[3]])).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// x over time of a spline with those keys: in-tangent, value, out-tangent.
+    fn hermite(keys: &RawKeys, at: f64) -> f64 {
+        let after = keys.times.partition_point(|key| f64::from(*key) <= at).clamp(1, keys.times.len() - 1);
+        let (from, to) = (f64::from(keys.times[after - 1]), f64::from(keys.times[after]));
+        let number = |key: usize, part: usize| f64::from(keys.numbers[key][3 * part]);
+        let (seconds, t) = (to - from, ((at - from) / (to - from)).clamp(0.0, 1.0));
+        let (t2, t3) = (t * t, t * t * t);
+        number(after - 1, 1) * (2.0 * t3 - 3.0 * t2 + 1.0)
+            + number(after - 1, 2) * seconds * (t3 - 2.0 * t2 + t)
+            + number(after, 1) * (3.0 * t2 - 2.0 * t3)
+            + number(after, 0) * seconds * (t3 - t2)
+    }
+
+    fn key(value: f32, tangent: f32) -> Vec<f32> {
+        vec![tangent, 0.0, 0.0, value, 0.0, 0.0, tangent, 0.0, 0.0]
+    }
+
+    #[test]
+    fn a_spline_that_is_changed_within_goes_on_as_it_was_outside() {
+        let old = RawKeys {
+            times: vec![0.0, 1.0, 2.0],
+            numbers: vec![key(0.0, 1.0), key(2.0, -1.0), key(1.0, 0.5)],
+            join: Join::Cubic,
+        };
+        let sample = |at: f64| DVec4::new(hermite(&old, at), 0.0, 0.0, 0.0);
+        let time = |frame: usize| frame as f64 / 30.0;
+        let frames: BTreeMap<usize, DVec4> = (22..=26).map(|frame| (frame, DVec4::new(9.0, 0.0, 0.0, 0.0))).collect();
+        let new = curve(Some(old.clone()), &frames, &time, &sample, false);
+        for step in 0..=2000 {
+            let at = f64::from(step) * 1e-3;
+            if !(time(21)..=time(27)).contains(&at) {
+                let off = (hermite(&new, at) - hermite(&old, at)).abs();
+                assert!(off < 2e-5, "{at} s: {off}");
+            }
+        }
+        for frame in 22..=26 {
+            assert!((hermite(&new, time(frame)) - 9.0).abs() < 1e-6);
+        }
+        for (index, at) in old.times.iter().enumerate() {
+            let kept = new.times.iter().position(|time| time == at).expect("an old key outside stays");
+            assert_eq!(new.numbers[kept], old.numbers[index]);
+        }
+    }
+
+    #[test]
+    fn straight_keys_of_which_few_are_left_keep_their_line_beside_the_change() {
+        let value = |x: f32| vec![x, 0.0, 0.0];
+        let old = RawKeys { times: vec![0.0, 2.0], numbers: vec![value(0.0), value(4.0)], join: Join::Linear };
+        let sample = |at: f64| DVec4::new(2.0 * at.clamp(0.0, 2.0), 0.0, 0.0, 0.0);
+        let frames = BTreeMap::from([(10, DVec4::new(-1.0, 0.0, 0.0, 0.0)), (60, DVec4::new(7.0, 0.0, 0.0, 0.0))]);
+        let new = curve(Some(old), &frames, &|frame| frame as f64 / 30.0, &sample, false);
+        let pairs: Vec<(i32, f32)> =
+            new.times.iter().zip(&new.numbers).map(|(time, value)| ((time * 30.0).round() as i32, value[0])).collect();
+        let near = |a: f32, b: f64| (f64::from(a) - b).abs() < 1e-5;
+        assert_eq!(pairs.iter().map(|pair| pair.0).collect::<Vec<_>>(), [0, 9, 10, 11, 59, 60]);
+        assert!(near(pairs[1].1, 0.6) && pairs[2].1 == -1.0 && near(pairs[3].1, 22.0 / 30.0) && pairs[5].1 == 7.0);
     }
 }

@@ -4,6 +4,8 @@
 //! neither the spoiled clip nor the clean one had any. "off" is how far the spoiled joints are from the clip as it was, mean over the span, before and after;
 //! slip is that of the feet that were locked. With SUREFOOT_STRIPS=FOLDER the first clips of each fault are drawn there: spoiled, corrected, as it was.
 
+#![expect(clippy::print_stdout, reason = "the table")]
+
 #[path = "../audit_faults.rs"]
 mod audit_faults;
 #[path = "../stick_strip.rs"]
@@ -115,7 +117,8 @@ fn judge(row: &mut Row, clean: &Capture, planted: &Planted, corrected: &Correcte
     };
     row.planted += 1;
     let new = corrected.after.flags.iter().filter(|flag| {
-        !overlaps(flag.start, flag.end, &corrected.before) && !(same_length && overlaps(flag.start, flag.end, &natural))
+        let natural = same_length && overlaps(flag.start, flag.end, &natural);
+        !natural && !overlaps(flag.start, flag.end, &corrected.before)
     });
     let new = new.count();
     row.new += new;
