@@ -111,8 +111,8 @@ fn a_clean_walk_is_given_back_to_the_bit() {
     let corrected = correct(&reading.capture, &CorrectOptions::default());
     assert_eq!(corrected.before.flags, [], "the corrected walk is clean when it is read again");
     assert!(corrected.changed.is_empty() && corrected.done.is_empty());
-    assert_eq!(corrected.capture.positions, reading.capture.positions);
-    assert_eq!(corrected.capture.turns, reading.capture.turns);
+    assert!(corrected.capture.positions == reading.capture.positions, "positions");
+    assert!(corrected.capture.turns == reading.capture.turns, "turns");
 }
 
 #[test]
@@ -132,8 +132,8 @@ fn planted_faults_go_and_frames_that_were_not_changed_stay_to_the_bit() {
                 assert!((reach.0..=reach.1).contains(&frame), "{name}: frame {frame} is in no repair");
                 continue;
             }
-            assert_eq!(corrected.capture.at(frame), planted.capture.at(frame), "{name}: frame {frame}");
-            assert_eq!(corrected.capture.turns_at(frame), planted.capture.turns_at(frame), "{name}: frame {frame}");
+            assert!(corrected.capture.at(frame) == planted.capture.at(frame), "{name}: frame {frame}");
+            assert!(corrected.capture.turns_at(frame) == planted.capture.turns_at(frame), "{name}: frame {frame}");
         }
         assert!(corrected.changed.len() < reading.capture.frames() / 2, "{name}: {} frames", corrected.changed.len());
         let body = &reading.capture.body;
@@ -188,10 +188,11 @@ fn a_clip_that_plays_too_slow_is_retimed_only_when_asked() {
         panic!("the slowed walk is not flagged");
     }
     assert!(told.notes.iter().any(|note| note.contains("--retime")), "{:?}", told.notes);
-    let faster = correct(&slow, &CorrectOptions { retime: true, ..CorrectOptions::default() });
+    let only = vec![Rule::Timing];
+    let faster = correct(&slow, &CorrectOptions { retime: true, only, ..CorrectOptions::default() });
     assert!((faster.speed - 1.0 / 0.6).abs() < 0.35, "{}", faster.speed);
     assert_eq!(faster.after.clip_flags, []);
-    assert_eq!(faster.capture.positions, slow.positions);
+    assert!(faster.capture.positions == slow.positions, "poses stay");
 }
 
 #[test]
