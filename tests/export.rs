@@ -45,6 +45,7 @@ pub fn report(clip: &Clip) -> ClipReport {
         events: vec![Event { time: 1.0 / 3.0, name: "push_start".into(), foot: None, bone: None, impulse: None }],
         disturbances: Vec::new(),
         assist: Assist::default(),
+        torques: Vec::new(),
         plausibility: Plausibility::default(),
     }
 }

@@ -90,7 +90,8 @@ fn one_small_mesh_drawn_by_many_nodes_does_not_fill_the_memory() {
     let begun = Instant::now();
     let rig = load_bytes("many.gltf", json.to_string().as_bytes(), &nothing, None).expect("the bones are there");
     assert!(rig.mapping.warnings.iter().any(|warning| warning.contains("too large")), "{:?}", rig.mapping.warnings);
-    assert!(begun.elapsed() < Duration::from_secs(2), "{:?}", begun.elapsed());
+    // Half a second on a machine that does nothing else; on a busy one it may wait.
+    assert!(begun.elapsed() < Duration::from_secs(8), "{:?}", begun.elapsed());
 }
 
 #[test]

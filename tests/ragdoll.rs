@@ -5,10 +5,12 @@
 
 use crate::limits_grid::rigs;
 use glam::{DQuat, DVec3};
-use surefoot::bake::{BakeError, BakeOptions, Baked, Drive, Helped, bake};
+use surefoot::bake::ragdoll::{Stroll, stroll};
+use surefoot::bake::{BakeError, BakeOptions, Baked, Drive, Fall, Helped, bake};
 use surefoot::measure::{KnownPush, PushPoint};
 use surefoot::model::report::Outcome;
-use surefoot::model::scenario::{Carry, Direction, Ground, GroundKind, Push, Scenario, Throw};
+use surefoot::model::scenario::{Carry, Direction, Ground, GroundKind, Push, Scenario, Throw, Walk};
+use surefoot::model::scenario_text::parse;
 use surefoot::model::{Body, BodyPose, Role, Side, Terrain};
 use surefoot::ragdoll::control::Assist;
 use surefoot::ragdoll::figure::Part;
@@ -87,6 +89,98 @@ fn who_is_knocked_over_comes_down_whole_and_lies_still() {
         assert!(worst < 25.0, "{toward:?}: {worst} m/s");
         assert!(last.hips.y < 0.45 && low > -0.05, "{toward:?}: hips {} lowest {low}", last.hips.y);
         assert!(speeds.iter().rev().take(5).all(|speed| *speed < 0.7), "{toward:?} still moves");
+    }
+}
+
+#[test]
+fn a_clip_tells_the_peak_torque_of_every_joint_worst_first_and_the_steppers_none() {
+    let told = |baked: &Baked| surefoot::export::events::report_json("clip", &baked.report).expect("numbers");
+    let shove = shoved(300.0, Direction::Left);
+    let (light, hard) = (alone(&shoved(40.0, Direction::Left)), alone(&shove));
+    let torques = &hard.report.torques;
+    println!("{torques:?}");
+    assert_eq!(torques.len(), 14, "every joint of the figure but its root");
+    assert!(torques.windows(2).all(|pair| pair[0].peak_nm >= pair[1].peak_nm));
+    assert!(torques.iter().all(|torque| (torque.share * 500.0 - torque.peak_nm).abs() < 1e-9 && torque.share <= 1.0));
+    assert!(torques[0].joint.contains("Leg") || torques[0].joint.contains("Foot"), "{}", torques[0].joint);
+    let of = |baked: &Baked, joint: &str| {
+        baked.report.torques.iter().find(|torque| torque.joint == joint).map_or(f64::NAN, |torque| torque.peak_nm)
+    };
+    for joint in ["leftUpperLeg", "leftLowerLeg", "leftFoot", "spine", "rightUpperArm"] {
+        let (little, much) = (of(&light, joint), of(&hard, joint));
+        assert!(little > 1.0 && much > little, "{joint}: {little} Nm, then {much}");
+    }
+    let json = told(&hard);
+    assert_eq!(json["torques"][0]["joint"], torques[0].joint.as_str());
+    assert!(json["torques"][13]["peak_nm"].as_f64().is_some_and(|peak| peak > 0.0));
+    let stepper = bake(&built_in(), &shove, &BakeOptions::default()).expect("it bakes");
+    assert!(told(&stepper).get("torques").is_none());
+}
+
+#[test]
+fn a_fall_that_no_help_prevents_gets_none_and_says_so() {
+    let drive = Drive::Ragdoll(Helped::Auto);
+    let hard = shoved(1600.0, Direction::Back);
+    let baked = bake(&built_in(), &hard, &BakeOptions { drive, ..BakeOptions::default() }).expect("it holds together");
+    assert!(matches!(baked.fall(), Some(Fall::Down(time)) if time > 0.6 && time < 2.0), "{:?}", baked.fall());
+    assert_eq!(baked.report.assist, surefoot::model::report::Assist::default());
+    let driven = baked.performance.articulated.as_ref().expect("a ragdoll");
+    assert!(driven.why.as_ref().is_some_and(|why| why.contains("300 Nm and 300 N do not")), "{:?}", driven.why);
+    assert!(alone(&shoved(100.0, Direction::Back)).fall().is_none());
+}
+
+#[test]
+fn the_drive_that_is_chosen_for_a_fall_is_the_one_whose_clip_shows_it_and_the_reason_is_true() {
+    let drive = Drive::Auto(Helped::Auto);
+    let options = BakeOptions { drive, ..BakeOptions::default() };
+    let baked = bake(&built_in(), &shoved(1600.0, Direction::Back), &options).expect("it holds together");
+    let why = baked.choice.as_ref().map_or(String::new(), |choice| choice.why.clone());
+    assert_eq!(baked.report.drive, "ragdoll");
+    let down = baked.fall().expect("a fall").to_string();
+    assert!(down.starts_with("goes down from") && why.contains(&down) && why.starts_with("both fall"), "{why}");
+    let lost = baked.report.events.iter().find(|event| event.name == "balance_lost").map(|event| event.time);
+    assert!(lost.is_some() && lost == baked.performance.lost);
+}
+
+fn walking(speed: f64, legs: f64) -> Scenario {
+    let walk = Walk { start: 0.5, duration: None, speed, heading: 0.0, facing: None };
+    let mut scenario = Scenario { duration: 6.0, walk: vec![walk], ..Scenario::default() };
+    scenario.character.leg_scale = legs;
+    scenario
+}
+
+#[test]
+fn a_walk_that_is_slower_than_asked_or_never_sets_off_is_told() {
+    let brisk = walking(1.2, 1.0);
+    let whole = alone(&brisk);
+    assert_eq!(stroll(&brisk, &whole.performance), Stroll::AsTold);
+    assert!(!whole.warnings.iter().any(|warning| warning.contains("the ragdoll")), "{:?}", whole.warnings);
+    let still = alone(&Scenario { duration: 6.0, ..Scenario::default() });
+    assert_eq!(stroll(&brisk, &still.performance), Stroll::Never, "who stands has not walked");
+    assert!(matches!(stroll(&walking(1.2, 1.0), &alone(&walking(0.8, 1.0)).performance), Stroll::Slower(..)));
+    let short = alone(&walking(1.2, 0.6));
+    let tells = |list: &[String]| list.iter().any(|text| text.contains("walks at most") && text.contains("not 1.20"));
+    println!("{:?}: {:?}", short.report.outcome, short.warnings);
+    assert!(tells(&short.warnings) && tells(&short.report.plausibility.notes), "{:?}", short.warnings);
+}
+
+#[test]
+fn what_it_cannot_play_is_named_and_never_left_out() {
+    let drive = Drive::Ragdoll(Helped::Within(Assist::default()));
+    let scenario = "title = 'x'\nduration = 3.0\n";
+    for (lane, named) in [
+        ("[[stand]]\nstart = 0.5\non = 'left'", "[[stand]]"),
+        ("[[turn]]\nstart = 0.5\nfacing = 90", "[[turn]]"),
+        ("[[crouch]]\nstart = 0.5\namount = 0.5", "[[crouch]]"),
+        ("[character]\ncrouch = 0.5", "[character] crouch"),
+    ] {
+        let scenario = parse("x.toml", &format!("{scenario}{lane}\n")).expect("a scenario");
+        let error = bake(&built_in(), &scenario, &BakeOptions { drive, ..BakeOptions::default() }).map(|_| ());
+        let error = error.expect_err("it is not played").to_string();
+        assert!(error.contains(named) && error.contains("--drive stepper"), "{error}");
+        let auto = BakeOptions { drive: Drive::Auto(Helped::Auto), ..BakeOptions::default() };
+        let choice = bake(&built_in(), &scenario, &auto).expect("the stepper plays it").choice.expect("a choice");
+        assert!(choice.why.contains(named), "{}", choice.why);
     }
 }
 
@@ -253,6 +347,35 @@ fn a_torn_or_lost_link_is_named() {
         (with(&|state| state.spin.z = f64::NAN), "not a finite number"),
     ] {
         assert!(what.contains("left shank") && what.contains(words), "{what}");
+    }
+}
+
+#[test]
+fn the_boxes_of_every_rig_lie_along_its_bones_and_are_as_large_as_parts_of_a_body() {
+    for (name, rig) in rigs() {
+        let body = &rig.body;
+        let figure = Figure::new(body, &stands(body), Locks::default());
+        println!("{name}: {} of 13 parts by the mesh, {:.2} m", body.flesh.len(), body.height);
+        assert!(body.flesh.len() == 13 || rig.mesh.is_empty() || !body.flesh.is_empty(), "{name}");
+        for (index, link) in figure.links.iter().enumerate() {
+            let dense = link.mass / (8.0 * link.half.x * link.half.y * link.half.z);
+            let [x, y, z] = link.half.to_array().map(|half| 200.0 * half / body.height);
+            println!("    {:<16} {x:5.1} {y:5.1} {z:5.1} % of the height, {dense:6.0} kg/m³", link.part.name());
+            // The head of a toy knight is half of him: as heavy as a man's, and light for its size.
+            let least = if link.part == Part::Head { 10.0 } else { 30.0 };
+            assert!((least..6000.0).contains(&dense), "{name}: {:?} of {dense} kg/m³", link.part);
+            let limb = matches!(link.part, Part::UpperArm(_) | Part::Forearm(_) | Part::Thigh(_) | Part::Shank(_));
+            let by_mesh = body.flesh.iter().any(|flesh| figure.link_of[flesh.joint] == index);
+            if let (true, true, Some(next)) =
+                (limb, by_mesh, figure.links.iter().find(|other| other.parent == Some(index)))
+            {
+                let bone = next.anchor.normalize();
+                assert!((link.turn * DVec3::Y).dot(bone) > 0.999, "{name}: {:?} lies across its bone", link.part);
+                assert!(link.half.y <= 0.5 * next.anchor.length() + 1e-6, "{name}: {:?} is too long", link.part);
+                let off = link.middle - bone * bone.dot(link.middle);
+                assert!(off.length() <= link.half.x.hypot(link.half.z), "{name}: {:?} is beside its bone", link.part);
+            }
+        }
     }
 }
 

@@ -208,7 +208,20 @@ fn body(mapped: &[(Role, usize)]) -> (Body, Vec<Option<usize>>) {
     };
     let feet = [foot(Role::LeftFoot, Role::LeftToes), foot(Role::RightFoot, Role::RightToes)];
     let nodes = roles.iter().map(|(.., node)| *node).collect();
-    (Body { joints, segments, feet, mass: 70.0, height: 1.7, leg_length: 0.81, flanks: [0.0; 2], belly: 0.0 }, nodes)
+    (
+        Body {
+            joints,
+            segments,
+            feet,
+            mass: 70.0,
+            height: 1.7,
+            leg_length: 0.81,
+            flanks: [0.0; 2],
+            belly: 0.0,
+            flesh: vec![],
+        },
+        nodes,
+    )
 }
 
 fn document(nodes: &[RigNode], mapped: &[(Role, usize)]) -> Value {

@@ -8,14 +8,21 @@ use super::track::Track;
 use super::{Domain, Mark};
 use crate::maths::hull::{convex_hull, signed_distance};
 use crate::measure::dynamics::dynamics;
-use crate::measure::{GRAVITY, Motion};
+use crate::measure::{GRAVITY, KnownPush, Motion, PushPoint};
 use crate::model::findings::Rule;
 use crate::model::{BodyPose, Side};
 use glam::DVec2;
+use std::ops::Range;
 
 /// m at a leg of 0.83 m and s: out of the support by more for so long is told. People who swing their arms are 0.3 m out for a frame
-/// or two of 30 Hz, and never 0.1 m for longer.
-const OUT: [(f64, f64); 2] = [(0.36, 0.06), (0.13, 0.12)];
+/// or two of 30 Hz, and never 0.12 m for longer.
+const OUT: [(f64, f64); 2] = [(0.45, 0.06), (0.17, 0.12)];
+/// Frames of a long clip that are differentiated at once.
+const PIECE: usize = 4096;
+/// s: of frames before and after.
+const MARGIN: f64 = 1.0;
+/// m and s: farther out for longer, nothing balances.
+const THROWN: (f64, f64) = (0.7, 0.16);
 /// m: what is out by as much beside such a span belongs to it.
 const BESIDE: f64 = 0.08;
 /// s: so much at either end of a clip is not judged.
@@ -38,32 +45,63 @@ pub struct Balance {
 
 /// Every frame's; `None` where no foot bears or the body falls.
 pub fn balance(track: &Track, feet: &Footfalls) -> Vec<Option<Balance>> {
+    let mut balance = Vec::with_capacity(track.len());
+    // A long clip goes piece by piece, each with a margin for the filter, so that its poses need not all be there at once.
+    let margin = (MARGIN * track.capture.fps).ceil() as usize;
+    for from in (0..track.len()).step_by(PIECE) {
+        let to = (from + PIECE).min(track.len());
+        let with_margin = from.saturating_sub(margin)..(to + margin).min(track.len());
+        balance.extend(piece(track, feet, with_margin, from..to));
+    }
+    balance
+}
+
+/// The balance of the frames `told`, by the motion of the frames `seen` around them.
+fn piece(track: &Track, feet: &Footfalls, seen: Range<usize>, told: Range<usize>) -> Vec<Option<Balance>> {
     let capture = track.capture;
-    let poses: Vec<BodyPose> = (0..track.len())
+    let poses: Vec<BodyPose> = seen
+        .clone()
         .map(|frame| BodyPose { hips: capture.at(frame)[0], turns: capture.turns_at(frame).to_vec() })
         .collect();
     let motion = Motion { body: &capture.body, hz: capture.fps, per_frame: 1, poses: &poses };
-    let Some(measured) = crate::measure::Track::new(motion) else { return vec![None; track.len()] };
-    let found = dynamics(&measured, &[]);
+    let Some(measured) = crate::measure::Track::new(motion) else { return vec![None; told.len()] };
+    let begins = seen.start as f64 / capture.fps;
+    let known: Vec<KnownPush> = capture
+        .pushes
+        .iter()
+        .map(|push| KnownPush {
+            start: push.start - begins,
+            end: push.end - begins,
+            force: push.force,
+            at: push.joint.map_or(PushPoint::Centre, PushPoint::Joint),
+        })
+        .collect();
+    let found = dynamics(&measured, &known);
     let edge = (EDGE * capture.fps * track.tempo()).round() as usize;
     let weight = capture.body.mass * GRAVITY;
-    (0..track.len())
-        .map(|frame| {
-            let needed = found.needed[frame];
-            if needed.force.y < LEAST_LOAD * weight {
-                return None;
-            }
-            let support = support(track, feet, frame, edge)?;
-            let com = found.com[frame];
-            let height = com.y - feet.floor_at(frame, track.below(frame));
-            // Where the ground's force has no tangential moment.
-            let zmp = DVec2::new(
-                com.x - (height * needed.force.x + needed.moment.z) / needed.force.y,
-                com.z - (height * needed.force.z - needed.moment.x) / needed.force.y,
-            );
-            Some(Balance { zmp, out: signed_distance(&support, zmp) })
-        })
-        .collect()
+    told.map(|frame| {
+        let needed = found.needed[frame - seen.start];
+        if needed.force.y < LEAST_LOAD * weight {
+            return None;
+        }
+        let support = support(track, feet, frame, edge)?;
+        let com = found.com[frame - seen.start];
+        let height = com.y - feet.floor_at(frame, track.below(frame));
+        // Where the ground's force has no tangential moment.
+        let zmp = DVec2::new(
+            com.x - (height * needed.force.x - needed.moment.z) / needed.force.y,
+            com.z - (height * needed.force.z + needed.moment.x) / needed.force.y,
+        );
+        Some(Balance { zmp, out: signed_distance(&support, zmp) })
+    })
+    .collect()
+}
+
+/// Spans in which the body is moved as no feet could, for longer than any slip of a hand: what is keyed for effect.
+pub fn thrown(track: &Track, balance: &[Option<Balance>]) -> Vec<(usize, usize)> {
+    let lasts = (THROWN.1 * track.capture.fps).round() as usize;
+    let far = |frame: usize| balance[frame].is_some_and(|found| found.out > THROWN.0 * track.size());
+    super::spans(track.len(), far).into_iter().filter(|(start, end)| end - start >= lasts).collect()
 }
 
 /// Every mark of the rule.

@@ -9,7 +9,7 @@ use crate::model::Side;
 use glam::{DMat3, DVec2, DVec3};
 
 /// m/s at a leg of 0.83 m: a sole's stillest point slower than this is on the ground; faster than the second, it has left.
-const SPEED: (f64, f64) = (0.45, 0.65);
+const SPEED: (f64, f64) = (0.45, 0.9);
 /// m/s: feet slower than this tell where the floor is.
 const SLOW: f64 = 0.25;
 /// m: a still foot may be that far over the floor and bear: lifted clips, steps of a stair.
@@ -22,10 +22,16 @@ const GAP: f64 = 0.05;
 const LIFT: f64 = 0.03;
 /// m.
 const SLID: f64 = 0.3;
+/// s.
+const LONGEST_GAP: f64 = 0.4;
+/// m and s: nor was one that rises with the whole body and comes down where it was, or is still there.
+const LIFTED: f64 = 0.075;
 /// m.
 const STAYED: f64 = 0.1;
 /// s.
-const LONGEST_GAP: f64 = 0.4;
+const SHORT_GAP: f64 = 0.2;
+/// s: a foot that is still higher than [`REACH`] must be so for that long: at the top of a jump feet are still for 0.1 s.
+const HIGH: f64 = 0.16;
 /// m: heights of contacts that differ by more stand on different floors.
 const SAME_FLOOR: f64 = 0.035;
 
@@ -85,11 +91,16 @@ pub struct Footfalls {
 
 /// Finds it all.
 pub fn footfalls(track: &Track) -> Footfalls {
-    let mut floor = floors(track);
+    footfalls_on(track, None)
+}
+
+/// Finds it all on a floor that a person names, m, instead of the one that the feet show.
+pub fn footfalls_on(track: &Track, told: Option<f64>) -> Footfalls {
+    let mut floor = told.map_or_else(|| floors(track), |told| [told; 2]);
     let mut contacts: Vec<Contact> =
         Side::BOTH.into_iter().flat_map(|side| contacts_of(track, side, floor[side as usize])).collect();
     contacts.sort_by_key(|contact| (contact.start, contact.side as usize));
-    let (slope, rise) = tilt(&contacts, &floor, track.size());
+    let (slope, rise) = if told.is_some() { (DVec2::ZERO, 0.0) } else { tilt(&contacts, &floor, track.size()) };
     floor = floor.map(|floor| floor + rise);
     let mut ground = Ground { floor, slope, uneven: false };
     ground.uneven = uneven(&contacts, &ground, track.size());
@@ -213,6 +224,11 @@ fn contacts_of(track: &Track, side: Side, floor: f64) -> Vec<Contact> {
         }
     }
     spans.extend(open.map(|start| (start, frames - 1)));
+    let high = (HIGH * track.capture.fps * track.tempo()).ceil() as usize;
+    spans.retain(|(start, end)| {
+        let lowest = foot.low[*start..=*end].iter().copied().fold(f64::MAX, f64::min);
+        lowest - floor < reach || end - start + 1 >= high
+    });
     let least = |seconds: f64| (seconds * track.capture.fps * track.tempo()).round() as usize;
     let mut merged: Vec<(usize, usize)> = Vec::new();
     for span in spans {
@@ -233,10 +249,11 @@ fn is_no_swing(track: &Track, side: Side, before: (usize, usize), after: (usize,
     let (from, to) = (before.1, after.0);
     let seconds = (to - from) as f64 / track.capture.fps / track.tempo();
     let travel = foot.place(from).distance(foot.place(to)) / track.size();
-    let level = foot.low[from].max(foot.low[to]);
+    let level = foot.low[from].min(foot.low[to]);
     let rise = foot.low[from..=to].iter().map(|low| low - level).fold(0.0, f64::max) / track.size();
     let swings = (from..=to).any(|frame| other.still[frame] > 1.2 * track.tempo());
-    rise < LIFT && seconds < LONGEST_GAP && if swings { travel < SLID } else { travel < STAYED }
+    let slides = swings && rise < LIFT && seconds < LONGEST_GAP && travel < SLID;
+    slides || (rise < LIFTED && seconds < SHORT_GAP && travel < STAYED)
 }
 
 fn contact(track: &Track, side: Side, start: usize, end: usize, on: f64) -> Contact {

@@ -32,6 +32,12 @@ pub enum Reason {
     Unsupported,
     /// A pose before the motion begins.
     Pose,
+    /// The body walks on the spot.
+    InPlace,
+    /// The body goes where no feet could push it.
+    Thrown,
+    /// Fast limbs: a blow, a throw, a dance.
+    Action,
 }
 
 impl Reason {
@@ -40,11 +46,27 @@ impl Reason {
             Reason::Flight => "flight: a run or a jump is no inverted pendulum",
             Reason::Low => "the body is too low for a pendulum on legs: it sits, kneels or lies",
             Reason::Hands => "a hand rests on something that is not in the clip",
+            Reason::InPlace => {
+                "the clip plays in place: the feet go under a body that stays; bake its way into the root to have it judged"
+            }
+            Reason::Thrown => {
+                "the body is thrown about as no feet could: keyed action, or something pushes that is not in the clip"
+            }
+            Reason::Action => "fast limbs: blows, throws and dance are balanced by more than feet",
             Reason::Pose => "a pose that stands before the motion begins",
             Reason::Unsupported => "no foot bears: what carries the body is not seen",
         }
     }
 }
+
+/// m/s at a leg of 0.83 m, of a hand about the hips: faster is no gait.
+const BLOW: f64 = 5.0;
+/// s: and so much around it.
+const AROUND: f64 = 0.35;
+/// Cosine of a thigh against straight down: flatter on both sides, the body sits.
+const SEATED: f64 = 0.45;
+/// m/s, and m/s: low feet that go as fast under a centre of mass that goes no faster, the clip through.
+const TREADMILL: (f64, f64) = (0.35, 0.12);
 
 /// Frame by frame.
 #[derive(Clone, Debug)]
@@ -67,6 +89,31 @@ impl Domain {
     /// Says nothing of so many frames at the beginning.
     pub fn begin_after(&mut self, frames: usize) {
         self.reasons[..frames].fill(Some(Reason::Pose));
+    }
+
+    /// Says nothing of a span for that reason, where there is none yet.
+    pub fn add(&mut self, start: usize, end: usize, reason: Reason) {
+        for slot in &mut self.reasons[start..=end] {
+            *slot = slot.or(Some(reason));
+        }
+    }
+
+    /// Whether feet tell anything in most of a span: they do not under a body that sits, lies or walks in place.
+    pub fn stands_in(&self, start: usize, end: usize) -> bool {
+        let mute = |reason: &&Option<Reason>| {
+            matches!(
+                reason,
+                Some(
+                    Reason::Low
+                        | Reason::Unsupported
+                        | Reason::InPlace
+                        | Reason::Pose
+                        | Reason::Action
+                        | Reason::Thrown
+                )
+            )
+        };
+        2 * self.reasons[start..=end].iter().filter(mute).count() < end - start + 1
     }
 
     /// Share of the frames in which it does.
@@ -117,8 +164,18 @@ pub fn domain(track: &Track, feet: &Footfalls) -> Domain {
     {
         set(start, end, Reason::Low);
     }
+    for (start, end) in super::spans(frames, |frame| sits(track, frame)) {
+        set(start, end, Reason::Low);
+    }
+    let around = (AROUND * hz).round() as usize;
+    for (start, end) in blows(track) {
+        set(start.saturating_sub(around), end + around, Reason::Action);
+    }
     for (start, end) in held(track) {
         set(start, end, Reason::Hands);
+    }
+    if in_place(track) {
+        reasons.fill(Some(Reason::InPlace));
     }
     let join = (JOIN * hz).round() as usize;
     let gaps = super::spans(frames, |frame| reasons[frame].is_none());
@@ -148,4 +205,47 @@ fn held(track: &Track) -> Vec<(usize, usize)> {
         found.extend(super::spans(track.len(), still).into_iter().filter(|(start, end)| end - start >= long));
     }
     found
+}
+
+/// Whether both thighs lie.
+fn sits(track: &Track, frame: usize) -> bool {
+    let body = &track.capture.body;
+    let places = track.capture.at(frame);
+    Side::BOTH.into_iter().all(|side| {
+        let (hip, knee) = match side {
+            Side::Left => (Role::LeftUpperLeg, Role::LeftLowerLeg),
+            Side::Right => (Role::RightUpperLeg, Role::RightLowerLeg),
+        };
+        let (Some(hip), Some(knee)) = (body.joint(hip), body.joint(knee)) else { return false };
+        (places[hip] - places[knee]).normalize_or_zero().y < SEATED
+    })
+}
+
+/// Spans in which a hand is faster about the hips than a gait swings it.
+fn blows(track: &Track) -> Vec<(usize, usize)> {
+    let body = &track.capture.body;
+    let mut found = Vec::new();
+    for role in [Role::LeftHand, Role::RightHand] {
+        let Some(hand) = body.joint(role) else { continue };
+        let path: Vec<glam::DVec3> =
+            (0..track.len()).map(|frame| track.capture.at(frame)[hand] - track.capture.at(frame)[0]).collect();
+        let speed = crate::maths::filter::derivative(&path, track.capture.fps);
+        found.extend(super::spans(track.len(), |frame| speed[frame].length() > BLOW * track.size()));
+    }
+    found
+}
+
+/// Whether the lower foot goes over the ground all the time while the centre of mass does not.
+fn in_place(track: &Track) -> bool {
+    let frames = track.len();
+    let way = track.com[frames - 1] - track.com[0];
+    let seconds = (frames as f64 - 1.0).max(1.0) / track.capture.fps;
+    let slow = way.length() / seconds < TREADMILL.1 * track.size();
+    let speeds: Vec<f64> = (0..frames)
+        .map(|frame| {
+            let [left, right] = &track.feet;
+            if left.low[frame] < right.low[frame] { left.still[frame] } else { right.still[frame] }
+        })
+        .collect();
+    slow && super::placement::median(&speeds) > TREADMILL.0 * track.tempo()
 }

@@ -11,8 +11,10 @@ use crate::model::findings::Rule;
 
 /// Frames that a fit needs, ends left out.
 const LEAST: usize = 7;
-/// Share of gravity by which a flight may miss it.
-const OFF: f64 = 0.3;
+/// Shares of gravity between which a flight is one: a file's unit is often a guess.
+const FALLS: (f64, f64) = (0.62, 1.7);
+/// Share of gravity under which no body flies: something that is not seen carries it.
+const CARRIED: f64 = 0.2;
 
 /// Spans without contact, first and last frame.
 pub fn flights(track: &Track, feet: &Footfalls) -> Vec<(usize, usize)> {
@@ -27,9 +29,10 @@ pub fn marks(track: &Track, feet: &Footfalls) -> Vec<Mark> {
         .filter(|(start, end)| *start > 0 && *end < last)
         .filter_map(|(start, end)| {
             let fall = fall(track, start, end)?;
-            let off = (fall - GRAVITY).abs() / GRAVITY;
+            let share = fall / GRAVITY;
             let seconds = (end - start + 1) as f64 / track.capture.fps;
-            (off > OFF).then(|| Mark {
+            let off = share > CARRIED && !(FALLS.0..=FALLS.1).contains(&share);
+            off.then(|| Mark {
                 start,
                 end,
                 rule: Rule::Ballistic,
@@ -37,7 +40,7 @@ pub fn marks(track: &Track, feet: &Footfalls) -> Vec<Mark> {
                 measured: fall,
                 predicted: GRAVITY,
                 delta: (fall - GRAVITY).abs() * seconds * seconds / 8.0,
-                limit: OFF * GRAVITY * seconds * seconds / 8.0,
+                limit: (1.0 - FALLS.0) * GRAVITY * seconds * seconds / 8.0,
                 why: format!("in flight the body falls at {fall:.1} m/s² instead of {GRAVITY}"),
             })
         })

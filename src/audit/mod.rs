@@ -19,7 +19,7 @@ pub use verdict::{foot_name, part};
 
 use crate::model::findings::{Findings, Flag, Rule};
 use crate::model::{Capture, Side};
-use contacts::footfalls;
+use contacts::footfalls_on;
 use track::Track;
 
 /// What a person may set.
@@ -39,23 +39,30 @@ pub fn audit(capture: &Capture, options: &AuditOptions) -> Findings {
     }
     let (held, posed) = track::without_pose(capture);
     let track = Track::new(held.as_ref().unwrap_or(capture));
-    let feet = footfalls(&track);
+    let feet = footfalls_on(&track, options.floor);
     let mut domain = domain::domain(&track, &feet);
     domain.begin_after(posed);
+    let balance = balance::balance(&track, &feet);
+    for (start, end) in balance::thrown(&track, &balance) {
+        let around = (0.3 * capture.fps) as usize;
+        domain.add(start.saturating_sub(around), (end + around).min(track.len() - 1), domain::Reason::Thrown);
+    }
     let taken: Vec<_> = placement::taken(&track, &feet)
         .into_iter()
         .filter(|taken| domain.walks_in(feet.contacts[taken.step.from].end, feet.contacts[taken.step.to].start))
         .collect();
     let judged = placement::judge(&track, &taken);
-    let balance = balance::balance(&track, &feet);
     let mut marks = placement::marks(&feet, &judged);
-    marks.extend(sole::marks(&track, &feet));
+    marks.extend(sole::marks(&track, &feet).into_iter().filter(|mark| match mark.rule {
+        Rule::Float => domain.walks_in(mark.start, mark.end),
+        _ => domain.stands_in(mark.start, mark.end),
+    }));
     marks.extend(balance::marks(&track, &balance, &domain));
-    marks.extend(flight::marks(&track, &feet));
+    marks.extend(flight::marks(&track, &feet).into_iter().filter(|mark| domain.stands_in(mark.start, mark.end)));
     marks.retain(|mark| !options.without.contains(&mark.rule));
     marks.sort_by_key(|mark| (mark.start, mark.end, mark.rule));
     findings.flags = marks.iter().map(Mark::flag).collect();
-    let clock = timing::clock(&track, &feet, &domain);
+    let clock = timing::clock(&track, &feet, &domain, taken.len());
     findings.clip_flags.extend(clock.and_then(timing::mark).filter(|_| !options.without.contains(&Rule::Timing)));
     findings.steps = judged.iter().map(|judged| verdict::step(&feet, judged)).collect();
     findings.contacts = verdict::contacts(&track, &feet);

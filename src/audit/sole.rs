@@ -28,6 +28,7 @@ const BRIEF: f64 = 0.1;
 /// Every mark of these rules.
 pub fn marks(track: &Track, feet: &Footfalls) -> Vec<Mark> {
     let mut marks = slides(track, feet);
+    marks.dedup_by(|later, first| later.rule == Rule::Drift && first.rule == Rule::Drift && later.start <= first.end);
     if !feet.ground.uneven {
         marks.extend(heights(track, feet));
     }
@@ -54,7 +55,8 @@ fn slides(track: &Track, feet: &Footfalls) -> Vec<Mark> {
     for contact in &feet.contacts {
         let way = slid(track, contact);
         let far = farthest(&way, (WITHIN * track.capture.fps).round() as usize);
-        if far > SLIDE * track.size() {
+        let limit = SLIDE * track.size().max(0.75);
+        if far > limit {
             let other = other_slides(track, feet, contact, &way);
             let rule = if other { Rule::Drift } else { Rule::FootSlide };
             let name = super::foot_name(contact.side);
@@ -66,15 +68,16 @@ fn slides(track: &Track, feet: &Footfalls) -> Vec<Mark> {
             } else {
                 format!("the {name} foot bears and slides {:.0} cm", 100.0 * far)
             };
+            let (start, end) = where_it_slides(&way);
             marks.push(Mark {
-                start: contact.start,
-                end: contact.end,
+                start: contact.start + start,
+                end: contact.start + end,
                 rule,
                 side: Some(contact.side).filter(|_| !other),
                 measured: far,
                 predicted: 0.0,
                 delta: far,
-                limit: SLIDE * track.size(),
+                limit,
                 why,
             });
         }
@@ -86,6 +89,21 @@ fn slides(track: &Track, feet: &Footfalls) -> Vec<Mark> {
 fn farthest(way: &[DVec2], frames: usize) -> f64 {
     let from = |at: usize| &way[at.saturating_sub(frames)..at];
     (0..way.len()).flat_map(|at| from(at).iter().map(move |before| way[at].distance(*before))).fold(0.0, f64::max)
+}
+
+/// The part of a way, first and last frame, in which all but a tenth of it is gone at either end.
+fn where_it_slides(way: &[DVec2]) -> (usize, usize) {
+    let gone: Vec<f64> = way
+        .windows(2)
+        .scan(0.0, |sum, pair| {
+            *sum += pair[0].distance(pair[1]);
+            Some(*sum)
+        })
+        .collect();
+    let whole = gone.last().copied().unwrap_or(0.0);
+    let start = gone.iter().position(|gone| *gone > 0.05 * whole).unwrap_or(0);
+    let end = gone.iter().position(|gone| *gone > 0.95 * whole).map_or(way.len() - 1, |at| at + 1);
+    (start, end)
 }
 
 /// Whether the other foot bears in half of that contact and goes the same way.

@@ -19,6 +19,8 @@ const SLOW: (f64, f64) = (0.62, 0.62);
 const FAST: f64 = 1.5;
 /// m/s: slower than that nobody walks.
 const WALKS: f64 = 0.12;
+/// Share of the clip that must be walked or stood.
+const WALKED: f64 = 0.5;
 /// Frames in single support and steps that tell a rate.
 const LEAST: (usize, usize) = (20, 4);
 
@@ -31,8 +33,8 @@ pub struct Clock {
     pub along: f64,
 }
 
-/// The clip's, from its walking; `None` where there is too little of it.
-pub fn clock(track: &Track, feet: &Footfalls, domain: &Domain) -> Option<Clock> {
+/// The clip's, from its walking, of which so many steps could be judged; `None` where there is too little of it.
+pub fn clock(track: &Track, feet: &Footfalls, domain: &Domain, steps: usize) -> Option<Clock> {
     let mut sums = [[0.0; 2]; 2]; // across, along: distance², distance x acceleration
     let (mut frames, mut expected) = (0, 0.0);
     for frame in 0..track.len() {
@@ -56,7 +58,7 @@ pub fn clock(track: &Track, feet: &Footfalls, domain: &Domain) -> Option<Clock> 
         frames += 1;
         expected += track.omega(frame, stance.height).powi(2);
     }
-    if frames < LEAST.0 || feet.steps.len() < LEAST.1 {
+    if frames < LEAST.0 || steps < LEAST.1 || domain.share() < WALKED {
         return None;
     }
     let expected = expected / frames as f64;

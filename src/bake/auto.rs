@@ -1,13 +1,19 @@
-//! Chooses between the stepper and the articulated body: both play the scenario, and what is better is kept.
+//! Chooses between the stepper and the articulated body: both play the scenario, and what is better is kept. And how much
+//! help the articulated body gets where that is left to the tool: the least with which simulation and clip both stay up.
 //!
-//! Who stands is before who falls. Where things touch the body (balls, a box, a platform) the articulated body is kept, and so
-//! it is where both fall; else the clip of the higher plausibility, the stepper's where they are even.
+//! Who stands is before who falls, and who walks as told before who does not set off. Where things touch the body (balls, a box, a
+//! platform) the articulated body is kept; else the clip of the higher plausibility, the stepper's where they are even. Where
+//! both fall, the clip that shows more of it.
 
-use super::ragdoll::{Drive, Helped, unplayed};
+use super::ragdoll::{Drive, Helped, Stroll, stroll, unplayed};
 use super::{BakeError, BakeOptions, Baked, bake_by};
 use crate::model::report::Outcome;
 use crate::model::scenario::{GroundKind, Scenario};
+use crate::ragdoll::control::Assist;
 use crate::rig::Rig;
+
+/// Clips that are baked at most to find the help with which one of them stays up.
+const MOST_CLIPS: usize = 4;
 
 /// Why a drive was chosen.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +24,18 @@ pub struct Choice {
     pub other: Option<f64>,
 }
 
+/// How a clip of someone who falls goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fall {
+    /// It ends where balance is lost, at that time (s).
+    Ends(f64),
+    /// It is measured as fallen (too low, or more than its feet on the ground) at that time (s), though the simulation keeps
+    /// its balance.
+    Measured(f64),
+    /// Balance is lost then (s) and it goes down to the ground.
+    Down(f64),
+}
+
 /// Bakes with the drive that does it better.
 pub(super) fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions, helped: Helped) -> Result<Baked, BakeError> {
     let stepper = bake_by(rig, scenario, options, Drive::Stepper)?;
@@ -25,21 +43,69 @@ pub(super) fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions, helped
     if !unplayed.is_empty() {
         return Ok(stepper.chosen(format!("the ragdoll cannot play {} yet", unplayed.join(", ")), None));
     }
-    let ragdoll = match bake_by(rig, scenario, options, Drive::Ragdoll(helped)) {
+    let ragdoll = match bake_helped(rig, scenario, options, helped) {
         Ok(baked) => baked,
         Err(error) => return Ok(stepper.chosen(format!("of the ragdoll, {error}"), None)),
     };
-    let score = |baked: &Baked| baked.report.plausibility.score;
-    let falls = |baked: &Baked| baked.report.outcome == Outcome::Fall;
-    let scores = (score(&stepper), score(&ragdoll));
-    Ok(match (falls(&stepper), falls(&ragdoll)) {
-        (false, true) => stepper.chosen("the ragdoll falls".into(), Some(scores.1)),
-        (true, false) => ragdoll.chosen("the stepper falls".into(), Some(scores.0)),
-        (true, true) => ragdoll.chosen("both fall, and the stepper's clip would end there".into(), Some(scores.0)),
+    let scores = (stepper.report.plausibility.score, ragdoll.report.plausibility.score);
+    let stays = stroll(scenario, &ragdoll.performance) == Stroll::Never;
+    Ok(match (stepper.fall(), ragdoll.fall()) {
+        (None, Some(_)) => stepper.chosen("the ragdoll falls".into(), Some(scores.1)),
+        (Some(_), None) => ragdoll.chosen("the stepper falls".into(), Some(scores.0)),
+        (Some(one), Some(other)) => {
+            let shows_more = other.shows() > one.shows() || (other.shows() == one.shows() && touched(scenario));
+            if shows_more || (other.shows() == one.shows() && scores.1 > scores.0) {
+                ragdoll.chosen(format!("both fall; its clip {other}, the stepper's {one}"), Some(scores.0))
+            } else {
+                stepper.chosen(format!("both fall; its clip {one}, the ragdoll's {other}"), Some(scores.1))
+            }
+        }
+        _ if stays => stepper.chosen("the ragdoll does not set off".into(), Some(scores.1)),
         _ if touched(scenario) => ragdoll.chosen("things touch the body".into(), Some(scores.0)),
         _ if scores.1 > scores.0 => ragdoll.chosen("its clip is the more plausible".into(), Some(scores.0)),
         _ => stepper.chosen("its clip is the more plausible".into(), Some(scores.1)),
     })
+}
+
+/// Bakes the articulated body's clip. Its help, where that is left to the tool, is more than the least with which the
+/// simulation stays up where the clip is measured as a fall all the same.
+pub(super) fn bake_helped(
+    rig: &Rig,
+    scenario: &Scenario,
+    options: &BakeOptions,
+    helped_by: Helped,
+) -> Result<Baked, BakeError> {
+    let first = bake_by(rig, scenario, options, Drive::Ragdoll(helped_by))?;
+    let mut next = first.more_help();
+    for _ in 1..MOST_CLIPS {
+        let Some(rung) = next else { break };
+        let Ok(mut baked) = bake_by(rig, scenario, options, Drive::Ragdoll(Helped::From(rung))) else { break };
+        if baked.fall().is_none() {
+            if let (Some(driven), Some(less)) = (&mut baked.performance.articulated, &first.performance.articulated) {
+                let bound = less.bound;
+                driven.why = Some(format!(
+                    "with {:.0} Nm and {:.0} N the simulation stays up, but its clip is measured as a fall",
+                    bound.torque, bound.force
+                ));
+            }
+            return Ok(baked);
+        }
+        next = baked.more_help();
+    }
+    let helped = first.performance.articulated.as_ref().filter(|driven| driven.bound != Assist::default());
+    if let (Helped::Auto, Some(Fall::Measured(_)), Some(driven)) = (helped_by, first.fall(), helped) {
+        // Help that does not keep the clip up only bends the fall.
+        let why = format!(
+            "with {:.0} Nm and {:.0} N the simulation stays up, but no clip does",
+            driven.bound.torque, driven.bound.force
+        );
+        let mut free = bake_by(rig, scenario, options, Drive::Ragdoll(Helped::Within(Assist::default())))?;
+        if let Some(driven) = &mut free.performance.articulated {
+            driven.why = Some(why);
+        }
+        return Ok(free);
+    }
+    Ok(first)
 }
 
 /// Whether anything but a push meets the body.
@@ -49,7 +115,51 @@ fn touched(scenario: &Scenario) -> bool {
 }
 
 impl Baked {
+    /// How it falls, where it does.
+    pub fn fall(&self) -> Option<Fall> {
+        if self.report.outcome != Outcome::Fall {
+            return None;
+        }
+        let lost = self.performance.lost.filter(|lost| *lost <= self.report.duration + 1e-9);
+        Some(match lost {
+            Some(lost) if !self.performance.timeline.fallen.is_empty() => Fall::Down(lost),
+            Some(lost) => Fall::Ends(lost),
+            None => {
+                let fallen = self.findings.as_ref().and_then(|findings| findings.balance.fallen);
+                Fall::Measured(fallen.unwrap_or(self.report.duration))
+            }
+        })
+    }
+
+    /// The next rung of help, where this clip falls and its simulation does not.
+    fn more_help(&self) -> Option<usize> {
+        let driven = self.performance.articulated.as_ref()?;
+        let falls = self.fall().is_some() && driven.run.trace.lost.is_none();
+        driven.next.filter(|_| falls)
+    }
+
     fn chosen(self, why: String, other: Option<f64>) -> Baked {
         Baked { choice: Some(Choice { why, other }), ..self }
+    }
+}
+
+impl Fall {
+    /// The more of a fall a clip shows, the higher.
+    fn shows(self) -> u8 {
+        match self {
+            Fall::Ends(_) => 0,
+            Fall::Measured(_) => 1,
+            Fall::Down(_) => 2,
+        }
+    }
+}
+
+impl std::fmt::Display for Fall {
+    fn fmt(&self, to: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self {
+            Fall::Ends(time) => write!(to, "ends where balance is lost, at {time:.2} s"),
+            Fall::Measured(time) => write!(to, "is measured as fallen at {time:.2} s"),
+            Fall::Down(time) => write!(to, "goes down from {time:.2} s on"),
+        }
     }
 }

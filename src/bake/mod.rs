@@ -26,7 +26,7 @@ pub mod throws;
 pub mod timeline;
 mod track;
 
-pub use auto::Choice;
+pub use auto::{Choice, Fall};
 pub use perform::{Performance, perform, perform_by};
 pub use ragdoll::{Drive, Helped};
 pub use root_motion::RootMotion;
@@ -100,7 +100,8 @@ impl Default for BakeOptions {
 pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Baked, BakeError> {
     match options.drive {
         Drive::Auto(helped) => auto::bake(rig, scenario, options, helped),
-        drive => bake_by(rig, scenario, options, drive),
+        Drive::Ragdoll(helped) => auto::bake_helped(rig, scenario, options, helped),
+        Drive::Stepper => bake_by(rig, scenario, options, Drive::Stepper),
     }
 }
 

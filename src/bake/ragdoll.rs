@@ -3,16 +3,17 @@
 //! Its run leaves the stepper's kind of trace; the passes of the bake then lock the feet and keep the balance as they do for
 //! the stepper's. From where balance is lost on the clip shows the links as they fall. Scenario space, SI.
 
-use super::BakeError;
 use super::carried::{self, Carried};
 use super::throws::{Ball, Hit, Toss};
+use super::{BakeError, Performance};
 use crate::maths::quat::wrap_angle;
 use crate::measure::{KnownPush, PushPoint};
 use crate::model::scenario::{GroundKind, Scenario, Walk};
 use crate::model::{Body, Load, Physique, Terrain};
 use crate::ragdoll::control::Assist;
-use crate::ragdoll::walk::Order;
+use crate::ragdoll::walk::{Order, WalkTuning};
 use crate::sim::{Articulated, Incoming, Script, SimulateOptions, Things, simulate_with};
+use crate::stepper::Phase;
 use crate::whole_body::{Anatomy, Solver, stand};
 use glam::DVec3;
 
@@ -33,8 +34,10 @@ pub enum Drive {
 pub enum Helped {
     /// At most that.
     Within(Assist),
-    /// As little as recovers, at most 300 N m and 300 N.
+    /// As little as recovers, at most 300 N m and 300 N; none where no help does.
     Auto,
+    /// The same from that rung of the ladder on.
+    From(usize),
 }
 
 /// A run and the bound that it had.
@@ -44,6 +47,10 @@ pub struct Driven {
     pub run: Articulated,
     /// The bound of its help.
     pub bound: Assist,
+    /// The next rung of help, where the tool chose this one and there is a next.
+    pub next: Option<usize>,
+    /// Why it was given that help and not less, for a person, where there is more to say than that less does not recover.
+    pub why: Option<String>,
 }
 
 /// Bounds that `Auto` tries, N m and N, the least first.
@@ -68,7 +75,8 @@ pub fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
     part(!scenario.walk.iter().all(straight), "[[walk]] sideways or backwards");
     part(scenario.walk.iter().any(|walk| walk.speed > FASTEST), "[[walk]] at more than 1.3 m/s");
     part(!scenario.turn.is_empty(), "[[turn]]");
-    part(!scenario.crouch.is_empty() || scenario.character.crouch > 0.0, "crouch");
+    part(!scenario.crouch.is_empty(), "[[crouch]]");
+    part(scenario.character.crouch > 0.0, "[character] crouch");
     part(!scenario.stand.is_empty(), "[[stand]]");
     parts
 }
@@ -116,22 +124,94 @@ pub(super) fn run(
     let once = |bound: Assist| -> Result<Driven, BakeError> {
         let run = simulate_with(body, anatomy, physique, &terrain, options, pushes, bound, &things)
             .map_err(|broken| BakeError::BrokeDown { time: broken.time, what: broken.what })?;
-        Ok(Driven { run, bound })
+        Ok(Driven { run, bound, next: None, why: None })
     };
     let scale = physique.mass / 89.5;
-    match helped {
-        Helped::Within(bound) => once(bound),
-        Helped::Auto => {
-            let mut last = None;
-            for [torque, force] in TRIES {
-                let driven = once(Assist { torque: torque * scale, force: force * scale })?;
-                if driven.run.trace.lost.is_none() {
-                    return Ok(driven);
-                }
-                last = Some(driven);
-            }
-            last.ok_or(BakeError::BrokeDown { time: 0.0, what: "the articulated body did not move".into() })
+    let from = match helped {
+        Helped::Within(bound) => return once(bound),
+        Helped::Auto => 0,
+        Helped::From(rung) => rung,
+    };
+    let mut least = None;
+    for (rung, [torque, force]) in TRIES.into_iter().enumerate().skip(from) {
+        let mut driven = once(Assist { torque: torque * scale, force: force * scale })?;
+        if driven.run.trace.lost.is_none() {
+            driven.next = Some(rung + 1).filter(|next| *next < TRIES.len());
+            return Ok(driven);
         }
+        least.get_or_insert(driven);
+    }
+    // Help that does not keep it up only bends the fall.
+    let mut driven =
+        least.ok_or(BakeError::BrokeDown { time: 0.0, what: "the articulated body did not move".into() })?;
+    let [torque, force] = TRIES[TRIES.len() - 1];
+    driven.why = Some(format!("up to {:.0} Nm and {:.0} N do not keep it up", torque * scale, force * scale));
+    Ok(driven)
+}
+
+/// How a walk that was asked for went.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stroll {
+    /// As it was asked, or none was.
+    AsTold,
+    /// It never set off.
+    Never,
+    /// m/s, in the mean once it had had time to get there; and what was asked then.
+    Slower(f64, f64),
+}
+
+/// What became of the walks of a scenario, as far as the body kept its balance.
+pub fn stroll(scenario: &Scenario, performance: &Performance) -> Stroll {
+    let trace = &performance.trace;
+    let script = Script::of(scenario, Vec::new());
+    let until = performance.lost.unwrap_or(f64::INFINITY).min(scenario.duration);
+    let tempo = (performance.timeline.body.leg_length / 0.83).sqrt();
+    let (mut since, mut wanted, mut got, mut settled) = (0.0, 0.0, 0.0, 0.0);
+    let (mut longest, mut goes): (f64, bool) = (0.0, false);
+    for (index, tick) in trace.ticks.iter().enumerate() {
+        let time = index as f64 * trace.dt;
+        if time > until {
+            break;
+        }
+        let order = script.intent(time).walk.unwrap_or_default();
+        since = if order.length() > SLOWEST { since + trace.dt } else { 0.0 };
+        longest = longest.max(since);
+        goes |= matches!(tick.gait, Phase::Double | Phase::Single);
+        if since > GATHERS * tempo {
+            settled += 1.0;
+            wanted += order.length();
+            got += glam::DVec2::new(tick.velocity.x, tick.velocity.z).dot(order.normalize_or_zero());
+        }
+    }
+    if longest > SETS_OFF * tempo && !goes {
+        return Stroll::Never;
+    }
+    match settled {
+        0.0 => Stroll::AsTold,
+        _ if got > 0.9 * wanted => Stroll::AsTold,
+        _ => Stroll::Slower(got / settled, wanted / settled),
+    }
+}
+
+/// m/s, slower is no walk.
+const SLOWEST: f64 = 0.05;
+/// s after a walk is asked for, for legs of 0.83 m: when it must have set off, and when it must be up to its speed.
+const SETS_OFF: f64 = 1.5;
+/// As [`SETS_OFF`] says.
+const GATHERS: f64 = 4.0;
+
+/// What is not as asked of an articulated body's walk, for a person.
+pub(super) fn strayed(scenario: &Scenario, performance: &Performance) -> Option<String> {
+    let leg = performance.timeline.body.leg_length;
+    let most = WalkTuning::default().fastest * (leg / 0.83).sqrt();
+    let asked = scenario.walk.iter().map(|walk| walk.speed).fold(0.0, f64::max);
+    match stroll(scenario, performance) {
+        Stroll::Never => Some("the ragdoll never sets off on this rig: `--drive stepper` walks".into()),
+        _ if asked > most + 0.005 => {
+            Some(format!("on legs of {leg:.2} m the ragdoll walks at most {most:.2} m/s, not {asked:.2}"))
+        }
+        Stroll::Slower(got, wanted) => Some(format!("the ragdoll walks at {got:.2} m/s, not {wanted:.2}")),
+        Stroll::AsTold => None,
     }
 }
 

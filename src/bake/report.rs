@@ -5,12 +5,14 @@
 
 use super::contacts::{self, FootContact};
 use super::perform::Performance;
+use super::ragdoll::{self, Driven};
 use super::root_motion::RootMotion;
 use crate::maths::pendulum::GRAVITY;
 use crate::measure::{Findings, Frame, KnownPush, Motion, PushPoint, Setting, measure_in};
-use crate::model::report::{Assist, BodyReport, Contact, Disturbance, Event, Outcome, Plausibility};
+use crate::model::report::{Assist, BodyReport, Contact, Disturbance, Event, JointTorque, Outcome, Plausibility};
 use crate::model::scenario::{GroundKind, Scenario};
 use crate::model::{Body, BodyPose, Clip, ClipReport, Role, Side};
+use crate::ragdoll::control::MOST_TORQUE;
 use crate::rig::Rig;
 use crate::stepper::footing::STAIR_STEP;
 use glam::DVec3;
@@ -62,6 +64,9 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
     }
     let footless = footless(body, findings.as_ref());
     plausibility.notes.extend(footless.clone());
+    let strayed = performance.articulated.as_ref().and_then(|_| ragdoll::strayed(input.scenario, performance));
+    plausibility.notes.extend(strayed.clone());
+    let fallen = findings.as_ref().and_then(|findings| findings.balance.fallen);
     let duration = input.clip.duration;
     let steps = performance.trace.steps.iter().filter(|step| step.land <= duration).count() as u32;
     let outcome = outcome(performance, findings.as_ref(), steps, duration);
@@ -87,17 +92,33 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
                 told(input.rig, contact, Frame::of(terrain), slips.get(index).copied().unwrap_or(0.0))
             })
             .collect(),
-        events: events(performance, findings.as_ref().and_then(|findings| findings.balance.rest_from), duration),
+        events: events(
+            performance,
+            (fallen, findings.as_ref().and_then(|findings| findings.balance.rest_from)),
+            duration,
+        ),
         disturbances: disturbances(input),
         assist: performance.articulated.as_ref().map_or_else(Assist::default, |driven| {
             let help = driven.run.help;
             Assist { peak_nm: help.torque[0], rms_nm: help.torque[1], peak_n: help.force[0], rms_n: help.force[1] }
         }),
+        torques: performance.articulated.as_ref().map_or(Vec::new(), torques),
         plausibility,
     };
-    let mut warnings = warnings(input, outcome);
+    let mut warnings = warnings(input, outcome, fallen);
     warnings.extend(footless);
+    warnings.extend(strayed);
     (report, findings, warnings)
+}
+
+/// What the joints gave, the hardest worked first.
+fn torques(driven: &Driven) -> Vec<JointTorque> {
+    let one = |(role, peak): &(Role, f64)| JointTorque {
+        joint: role.name().into(),
+        peak_nm: *peak,
+        share: peak / MOST_TORQUE,
+    };
+    driven.run.torques.iter().map(one).collect()
 }
 
 /// What a rig without foot bones costs, said where it costs something.
@@ -140,8 +161,8 @@ fn told(rig: &Rig, contact: &FootContact, frame: Frame, slip_mm: f64) -> Contact
 /// s, between contacts that follow on one another.
 const SAME: f64 = 1e-4;
 
-/// `rest_from`: s, since when the character has been at rest at the end.
-fn events(performance: &Performance, rest_from: Option<f64>, duration: f64) -> Vec<Event> {
+/// `fallen`, `rest_from`: s, when the clip is measured to have fallen, and since when it has been at rest at the end.
+fn events(performance: &Performance, (fallen, rest_from): (Option<f64>, Option<f64>), duration: f64) -> Vec<Event> {
     let mut events = Vec::new();
     let mut event = |time: f64, name: &str, foot: Option<Side>| {
         if time <= duration {
@@ -166,7 +187,7 @@ fn events(performance: &Performance, rest_from: Option<f64>, duration: f64) -> V
             }
         }
     }
-    if let Some(lost) = performance.lost {
+    if let Some(lost) = performance.lost.or(fallen) {
         event(lost, "balance_lost", None);
     }
     if let (Some(time), false) = (rest_from, performance.trace.steps.is_empty()) {
@@ -241,25 +262,50 @@ fn weights(input: &ReportInput) -> Vec<Disturbance> {
     list
 }
 
-fn warnings(input: &ReportInput, outcome: Outcome) -> Vec<String> {
+fn warnings(input: &ReportInput, outcome: Outcome, fallen: Option<f64>) -> Vec<String> {
     let mut warnings = Vec::new();
-    let trace = &input.performance.trace;
-    if outcome == Outcome::Fall {
-        let lost = input.performance.lost.unwrap_or(input.clip.duration);
-        warnings.push(if input.performance.articulated.is_some() {
-            format!("balance is lost at {lost:.2} s and the character falls. A weaker push or more --assist stays up")
-        } else {
-            format!(
-                "balance is lost at {lost:.2} s and the clip ends there: who is to fall needs `--drive ragdoll`. A weaker push or a higher agility stays up"
-            )
-        });
-    } else if trace.ticks.len() > input.performance.timeline.com.len() {
-        let needed = (trace.ticks.len() - 1) as f64 * trace.dt;
-        warnings.push(format!(
-            "the character is not at rest when the clip ends at {:.2} s: give the scenario duration = {:.1}",
-            input.clip.duration,
-            (needed * 10.0).ceil() / 10.0
-        ));
+    let performance = input.performance;
+    let trace = &performance.trace;
+    let lost = performance.lost.filter(|lost| *lost <= input.clip.duration + 1e-9);
+    let articulated = performance.articulated.is_some();
+    let scenario = input.scenario;
+    let milder = match () {
+        () if !scenario.push.is_empty() || !scenario.pull.is_empty() => "A weaker push",
+        () if !scenario.throw.is_empty() => "Lighter balls",
+        () if !scenario.walk.is_empty() => "A slower walk",
+        () => "Less to do",
+    };
+    let remedy = if articulated { "more --assist" } else { "a higher agility" };
+    match (outcome, lost) {
+        (Outcome::Fall, Some(lost)) if !performance.timeline.fallen.is_empty() => {
+            warnings.push(format!(
+                "balance is lost at {lost:.2} s and the character falls. {milder} or {remedy} stays up"
+            ));
+        }
+        (Outcome::Fall, Some(lost)) => {
+            let shows = if articulated { "" } else { ": who is to fall needs `--drive ragdoll`" };
+            warnings.push(format!(
+                "balance is lost at {lost:.2} s and the clip ends there{shows}. {milder} or {remedy} stays up"
+            ));
+        }
+        (Outcome::Fall, None) => warnings.push(format!(
+            "the clip is measured as a fall at {:.2} s (too low, or more than feet on the ground), though the simulation keeps its balance. {milder} or {remedy} stays up",
+            fallen.unwrap_or(input.clip.duration)
+        )),
+        _ => {
+            if let Some(lost) = performance.lost {
+                warnings.push(format!(
+                    "balance is lost at {lost:.2} s, after the end of the clip: it ends in what becomes a fall"
+                ));
+            } else if trace.ticks.len() > performance.timeline.com.len() {
+                let needed = (trace.ticks.len() - 1) as f64 * trace.dt;
+                warnings.push(format!(
+                    "the character is not at rest when the clip ends at {:.2} s: give the scenario duration = {:.1}",
+                    input.clip.duration,
+                    (needed * 10.0).ceil() / 10.0
+                ));
+            }
+        }
     }
     warnings.extend(slowed(input));
     warnings

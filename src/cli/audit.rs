@@ -82,7 +82,8 @@ pub fn run(args: &AuditArgs) -> Result<Exit, Failure> {
         tell(&format!("warning: {idle}"));
     }
     write(args, &clips, several, &inputs)?;
-    if args.json.is_some() && json_file.is_none() {
+    let json_out = args.json.is_some() && json_file.is_none();
+    if json_out {
         say(&audit_json::text(&clips, several))?;
     } else if several {
         say(&audit_text::plain(&audit_text::summary(&clips, &unread)))?;
@@ -91,12 +92,13 @@ pub fn run(args: &AuditArgs) -> Result<Exit, Failure> {
             say(&audit_text::plain(&audit_text::clip(clip)))?;
         }
     }
-    finish(args, &clips, &unread)
+    finish(args, &clips, &unread, several && !json_out)
 }
 
 /// What stands at the end: unread files before flags.
-fn finish(args: &AuditArgs, clips: &[Audited], unread: &[Unread]) -> Result<Exit, Failure> {
-    for failure in unread {
+fn finish(args: &AuditArgs, clips: &[Audited], unread: &[Unread], told: bool) -> Result<Exit, Failure> {
+    // The summary has told them already.
+    for failure in unread.iter().filter(|_| !told) {
         tell(&audit_text::plain(&format!("error: {}", failure.cause)));
     }
     let broke_down = unread.iter().any(|failure| failure.broke_down);

@@ -2,6 +2,7 @@
 
 use super::audit::{Audited, Unread};
 use crate::model::findings::{Findings, Rule};
+use std::path::PathBuf;
 
 /// Spans of one abstention past that many are counted, not listed.
 const MOST_LISTED: usize = 6;
@@ -65,18 +66,28 @@ pub fn summary(clips: &[Audited], unread: &[Unread]) -> String {
     };
     let rules: Vec<Rule> =
         Rule::ALL.into_iter().filter(|rule| clips.iter().any(|clip| count(clip, *rule) > 0)).collect();
+    let shared = shared_folders(clips);
     let mut rows: Vec<Vec<String>> = Vec::new();
     let mut head = vec!["clip".to_owned(), "seconds".to_owned()];
     head.extend(rules.iter().map(|rule| rule.name().to_owned()));
-    head.extend(["frames %", "confidence", "worst"].map(str::to_owned));
+    head.extend(["flagged %", "not judged %", "confidence", "worst"].map(str::to_owned));
     rows.push(head);
     for clip in clips {
-        let mut row = vec![name(clip, clips), format!("{:.1}", clip.findings.frames as f64 / clip.findings.fps)];
+        let mut row = vec![name(clip, shared), format!("{:.1}", clip.findings.frames as f64 / clip.findings.fps)];
         row.extend(rules.iter().map(|rule| match count(clip, *rule) {
             0 => "-".to_owned(),
             count => count.to_string(),
         }));
-        row.extend([format!("{:.1}", 100.0 * share(clip)), format!("{:.2}", clip.findings.confidence), worst(clip)]);
+        let unjudged = match unjudged(&clip.findings) {
+            0.0 => "-".to_owned(),
+            share => format!("{:.0}", 100.0 * share),
+        };
+        row.extend([
+            format!("{:.1}", 100.0 * share(clip)),
+            unjudged,
+            format!("{:.2}", clip.findings.confidence),
+            worst(clip),
+        ]);
         rows.push(row);
     }
     let last = rows[0].len() - 1;
@@ -101,7 +112,7 @@ pub fn summary(clips: &[Audited], unread: &[Unread]) -> String {
     let seconds: f64 = clips.iter().map(|clip| clip.findings.frames as f64 / clip.findings.fps).sum();
     let with_flags = clips.iter().filter(|clip| clip.waived.standing() > 0).count();
     text.push_str(&format!(
-        "{} clips, {:.1} min: {with_flags} with flags, {:.1} % of the frames{}\n",
+        "{} clips, {:.1} min: {with_flags} with flags, in {:.1} % of the frames{}\n",
         clips.len(),
         seconds / 60.0,
         100.0 * flagged / (frames.max(1) as f64),
@@ -138,15 +149,24 @@ fn covered(findings: &Findings, spans: impl Iterator<Item = (usize, usize)>) -> 
     covered.iter().filter(|covered| **covered).count() as f64 / covered.len().max(1) as f64
 }
 
-/// The clip's name; the file's with it where the name alone would not tell which.
-fn name(clip: &Audited, clips: &[Audited]) -> String {
-    let alike = clips.iter().filter(|other| other.findings.clip == clip.findings.clip).count();
-    let stem = clip.path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    match (alike, stem == clip.findings.clip) {
-        (1, true) => clip.findings.clip.clone(),
-        (_, true) => clip.path.display().to_string(),
-        _ => format!("{}: {}", clip.path.display(), clip.findings.clip),
+/// The file as it lies below the folder that all share, with the clip's name where that is another.
+fn name(clip: &Audited, shared: usize) -> String {
+    let path: PathBuf = clip.path.components().skip(shared).collect();
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    match stem == clip.findings.clip {
+        true => path.display().to_string(),
+        false => format!("{}: {}", path.display(), clip.findings.clip),
     }
+}
+
+/// How many of their first components all paths share; never a file's own name.
+fn shared_folders(clips: &[Audited]) -> usize {
+    let folders = |clip: &Audited| clip.path.parent().map(|parent| parent.components().count()).unwrap_or(0);
+    let Some(first) = clips.first() else { return 0 };
+    clips.iter().fold(folders(first), |shared, clip| {
+        let pairs = first.path.components().zip(clip.path.components());
+        pairs.take(shared.min(folders(clip))).take_while(|(a, b)| a == b).count()
+    })
 }
 
 /// Indices of flags: standing ones before waived ones, then by severity.

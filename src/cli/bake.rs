@@ -5,9 +5,10 @@ use super::exit_code::{Exit, Failure};
 use super::parts;
 use super::writer::{self, Output};
 use super::{resolve, say, tell};
-use crate::bake::Baked;
-use crate::model::report::{Contact, Outcome, Part};
+use crate::bake::{Baked, Fall};
+use crate::model::report::{Contact, JointTorque, Outcome, Part};
 use crate::model::{Scenario, Side};
+use crate::ragdoll::control::MOST_TORQUE;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -165,7 +166,13 @@ fn summary(baked: &Baked, name: &str, places: &Places, size: usize) -> String {
                 help.peak_nm, help.rms_nm, help.peak_n, help.rms_n, driven.bound.torque, driven.bound.force
             ),
         );
-        line("torques", format_args!("at most {:.0} of 500 Nm at a joint", driven.run.peak_torque));
+        if let Some(why) = &driven.why {
+            line("", format_args!("{why}"));
+        }
+        let worst =
+            |torque: &JointTorque| format!("{} {:.0} Nm ({:.0} %)", torque.joint, torque.peak_nm, 100.0 * torque.share);
+        let worst: Vec<String> = report.torques.iter().take(3).map(worst).collect();
+        line("torques", format_args!("peak {} of the {MOST_TORQUE:.0} Nm that a joint may give", worst.join(", ")));
     }
     for (index, contact) in report.contacts.iter().enumerate() {
         line(if index == 0 { "contacts" } else { "" }, format_args!("{}", contact_row(contact)));
@@ -205,10 +212,13 @@ fn outcome(baked: &Baked) -> String {
         Outcome::Still => "still: nothing moved".to_owned(),
         Outcome::Sway => "sway: the feet stayed where they were".to_owned(),
         Outcome::Step => format!("step: {steps}, and it stands"),
-        Outcome::Fall if !baked.performance.timeline.fallen.is_empty() => {
-            format!("fall: balance was lost after {steps}, and it goes down")
-        }
-        Outcome::Fall => format!("fall: balance was lost after {steps}; the clip ends there"),
+        Outcome::Fall => match baked.fall() {
+            Some(Fall::Down(_)) => format!("fall: balance was lost after {steps}, and it goes down"),
+            Some(Fall::Measured(time)) => {
+                format!("fall: it is measured as fallen at {time:.2} s; {steps} in all")
+            }
+            _ => format!("fall: balance was lost after {steps}; the clip ends there"),
+        },
     }
 }
 

@@ -149,6 +149,7 @@ fn foreign(rig: &Rig, clip: &Clip) -> ClipReport {
         events: Vec::new(),
         disturbances: Vec::new(),
         assist: Assist::default(),
+        torques: Vec::new(),
         plausibility: Plausibility::default(),
     }
 }

@@ -85,6 +85,7 @@ pub(crate) mod tests {
             events: vec![Event { time: 0.5, name: "push_start".into(), foot: None, bone: None, impulse: None }],
             disturbances: Vec::new(),
             assist: Assist::default(),
+            torques: Vec::new(),
             plausibility: Plausibility::default(),
         }
     }

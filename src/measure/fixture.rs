@@ -112,7 +112,17 @@ pub(crate) fn body() -> Body {
             front_sole: [0.12, 0.19].iter().flat_map(|z| [corner(-0.045, *z), corner(0.045, *z)]).collect(),
         }
     });
-    Body { joints, segments, feet, mass: 80.0, height: 1.7, leg_length: 0.82, flanks: [0.0; 2], belly: 0.0 }
+    Body {
+        joints,
+        segments,
+        feet,
+        mass: 80.0,
+        height: 1.7,
+        leg_length: 0.82,
+        flanks: [0.0; 2],
+        belly: 0.0,
+        flesh: vec![],
+    }
 }
 
 /// The body's centre of mass at rest.

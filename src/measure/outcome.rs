@@ -7,7 +7,7 @@ use super::dynamics::Dynamics;
 use super::ground::height_below;
 use super::support::Support;
 use super::{GRAVITY, HeldContact, KnownPush, MOVING_SPEED, Track};
-use crate::model::{Role, Side, report::Outcome};
+use crate::model::{BodyJoint, Role, Side, report::Outcome};
 use glam::DVec3;
 
 /// Share of its standing height under which the centre of mass has fallen.
@@ -24,6 +24,8 @@ const LONGEST_PUSH: f64 = 1.0;
 const BUSY: f64 = 1.0;
 /// Share of the body's height under which a joint other than the feet's lies on the ground.
 const TOUCHING_SHARE: f64 = 0.02;
+/// Share of the body's height under which a hips bone stands on the ground at rest.
+const LOW_SHARE: f64 = 0.1;
 
 /// How the body kept itself up.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -154,10 +156,13 @@ fn ground_below(contacts: &[HeldContact], time: f64, point: DVec3) -> f64 {
 }
 
 /// Joints that are neither a foot nor a toe.
+/// Some rigs have their hips bone on the ground, between the feet: there it tells no fall.
 fn others_than_feet(track: &Track) -> Vec<usize> {
     let feet = [Role::LeftFoot, Role::RightFoot, Role::LeftToes, Role::RightToes];
-    let joints = track.motion.body.joints.iter().enumerate();
-    joints.filter(|(_, joint)| !feet.contains(&joint.role)).map(|(index, _)| index).collect()
+    let body = track.motion.body;
+    let low = |joint: &BodyJoint| joint.role == Role::Hips && joint.rest.y < LOW_SHARE * body.height;
+    let tells = |joint: &BodyJoint| !feet.contains(&joint.role) && !low(joint);
+    body.joints.iter().enumerate().filter(|(_, joint)| tells(joint)).map(|(index, _)| index).collect()
 }
 
 #[cfg(test)]
@@ -228,6 +233,20 @@ mod tests {
             seen[usize::from(fallen.is_some())] += 1;
         }
         assert!(seen[0] >= 2 && seen[1] >= 2, "{seen:?}");
+    }
+
+    #[test]
+    fn a_hips_bone_that_is_on_the_ground_at_rest_is_no_fall() {
+        let mut body = fixture::body();
+        let down = body.joints[0].rest.y - 0.03;
+        body.joints[0].rest.y = 0.03;
+        body.segments.iter_mut().filter(|segment| segment.joint == 0).for_each(|segment| segment.centre.y += down);
+        let sinks = |by: f64| {
+            let poses = fixture::poses(&body, 240, |pose, sample| pose.hips.y -= by * (sample / 120.0).clamp(0.0, 1.0));
+            judged(&body, &poses, &fixture::standing(), &[]).fallen
+        };
+        assert_eq!(sinks(0.03), None);
+        assert!(sinks(0.6).is_some());
     }
 
     #[test]

@@ -71,6 +71,7 @@ pub fn read(clip: &str, recording: &Recording, rig: &Rig, up: DVec3) -> Capture 
         confidence: rig.mapping.confidence,
         method: rig.mapping.method.clone(),
         notes,
+        pushes: Vec::new(),
     }
 }
 

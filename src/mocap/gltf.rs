@@ -6,6 +6,8 @@
 
 use super::skeleton::{Recording, Said, settle_unit, stand};
 use super::{MocapError, Options, Reading, frames, rate};
+use crate::model::capture::ToldPush;
+use crate::model::{Capture, Role};
 use crate::rig::clips::{Tracks, names_in, read_tracks};
 use crate::rig::document::Resolve;
 use crate::rig::nodes::{globals, order, read_nodes};
@@ -104,6 +106,7 @@ impl Gltf {
         };
         let mut capture = frames::read(&clip, &recording, &rig, up);
         capture.notes.extend(tracks.notes);
+        capture.pushes = pushes(&self.document, index, start, &capture);
         Ok(Reading { capture, rig, start, frame_up: up })
     }
 
@@ -129,6 +132,27 @@ impl Gltf {
             .sum();
         if shown.y > 0.2 { DVec3::Y } else { nearest_axis(shown) }
     }
+}
+
+/// The disturbances that a clip which was baked here tells in its extras.
+fn pushes(document: &Document, index: usize, start: f64, capture: &Capture) -> Vec<ToldPush> {
+    let told = document.list("animations").get(index).and_then(|clip| clip.pointer("/extras/surefoot/disturbances"));
+    let list = told.and_then(serde_json::Value::as_array).map(Vec::as_slice).unwrap_or_default();
+    let number =
+        |value: Option<&serde_json::Value>| value.and_then(serde_json::Value::as_f64).filter(|it| it.is_finite());
+    list.iter()
+        .filter_map(|push| {
+            let force = push.get("force")?.as_array()?;
+            let axis = |at: usize| number(force.get(at));
+            let role = push.get("bone").and_then(serde_json::Value::as_str).and_then(Role::from_name);
+            Some(ToldPush {
+                start: number(push.get("start"))? - start,
+                end: number(push.get("end"))? - start,
+                force: DVec3::new(axis(0)?, axis(1)?, axis(2)?),
+                joint: role.and_then(|role| capture.body.joint(role)),
+            })
+        })
+        .collect()
 }
 
 fn empty() -> Document {

@@ -64,13 +64,17 @@ pub fn resize(rig: &mut Rig, factor: f64) {
     if (factor - 1.0).abs() < 1e-12 {
         return;
     }
-    let Body { joints, segments, feet, mass, height, leg_length, flanks, belly } = &mut rig.body;
+    let Body { joints, segments, feet, mass, height, leg_length, flanks, belly, flesh } = &mut rig.body;
     joints.iter_mut().for_each(|joint| joint.rest *= factor);
     let heavier = factor * factor; // mass goes with the height squared, as where it was derived
     for segment in segments {
         segment.mass *= heavier;
         segment.centre *= factor;
         segment.inertia *= heavier * factor * factor;
+    }
+    for part in flesh {
+        part.middle *= factor;
+        part.half *= factor;
     }
     for foot in feet {
         for length in [&mut foot.ankle_height, &mut foot.heel, &mut foot.ball, &mut foot.tip, &mut foot.half_width] {

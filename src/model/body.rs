@@ -59,6 +59,21 @@ pub struct Body {
     pub flanks: [f64; 2],
     /// m, at rest: how far the mesh of the trunk reaches ahead of the hips joint, at the waist. 0 without a mesh.
     pub belly: f64,
+    /// Boxes around the mesh of its parts, but feet; a part that has too little mesh has none.
+    pub flesh: Vec<Flesh>,
+}
+
+/// The room that a part of the body takes up: an oriented box that moves with a joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flesh {
+    /// Index into `Body::joints`.
+    pub joint: usize,
+    /// m, from the joint to the box's middle, at rest.
+    pub middle: DVec3,
+    /// m, half sides: across the bone, along it, and square to both.
+    pub half: DVec3,
+    /// From the box's axes to the scenario's, at rest.
+    pub turn: DQuat,
 }
 
 /// One joint of the body.

@@ -30,6 +30,21 @@ pub struct Capture {
     pub method: String,
     /// Sentences for a person.
     pub notes: Vec<String>,
+    /// What the file says pushed the body: a clip that was baked here tells its disturbances.
+    pub pushes: Vec<ToldPush>,
+}
+
+/// A force from outside that a clip tells of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ToldPush {
+    /// s, of the clip's first frame.
+    pub start: f64,
+    /// s.
+    pub end: f64,
+    /// N, clip space.
+    pub force: DVec3,
+    /// Index of the body's joint that it acts on; `None` for its centre of mass.
+    pub joint: Option<usize>,
 }
 
 impl Capture {

@@ -32,6 +32,12 @@ impl Body {
                 segment.inertia *= scale * scale;
             }
         }
+        for flesh in &mut body.flesh {
+            if self.grows(flesh.joint) {
+                flesh.middle *= scale;
+                flesh.half *= scale;
+            }
+        }
         body.height += lift;
         body.leg_length *= scale;
         body

@@ -19,7 +19,7 @@ pub mod scenario_rules;
 pub mod scenario_text;
 pub mod terrain;
 
-pub use body::{Body, BodyJoint, FootShape, Segment, Side};
+pub use body::{Body, BodyJoint, Flesh, FootShape, Segment, Side};
 pub use capture::Capture;
 pub use clip::{Channel, Clip, Interpolation, KeyValues, Target};
 pub use load::Load;

@@ -24,6 +24,9 @@ pub struct ClipReport {
     pub events: Vec<Event>,
     pub disturbances: Vec<Disturbance>,
     pub assist: Assist,
+    /// Of a ragdoll's clip: what its joints gave, the hardest worked first.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub torques: Vec<JointTorque>,
     pub plausibility: Plausibility,
 }
 
@@ -117,6 +120,17 @@ pub struct Assist {
     pub rms_nm: f64,
     pub peak_n: f64,
     pub rms_n: f64,
+}
+
+/// The largest torque of a joint over a run, falls apart.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JointTorque {
+    /// The humanoid bone that turns about it.
+    pub joint: String,
+    /// N m.
+    pub peak_nm: f64,
+    /// Of the most that a joint may give, 0..1.
+    pub share: f64,
 }
 
 /// Measured on the exported keys.

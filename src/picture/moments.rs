@@ -160,6 +160,7 @@ pub(crate) mod tests {
                 bone: "chest".to_owned(),
             }],
             assist: Assist::default(),
+            torques: Vec::new(),
             plausibility: Plausibility { score: 0.91, zmp_inside: 0.98, slip_max_mm: 0.4, ..Plausibility::default() },
         }
     }

@@ -28,7 +28,7 @@ pub struct ClipView<'a> {
 }
 
 /// Letters that a number takes in a table of differences, with its comma: what was seen, with a reserve.
-const LETTERS: usize = 4;
+const LETTERS: usize = 3;
 /// mm; past that a number is cut.
 const FARTHEST: f64 = 1e9;
 
@@ -71,24 +71,24 @@ fn at_stride(view: &ClipView, shown: &[usize], stride: usize) -> String {
     });
     let mut text = head.to_string();
     text.pop(); // the brace; two tables follow
-    let samples: Vec<&FrameRow> = view.rows.iter().step_by(stride).collect();
-    let places: Vec<Vec<i64>> = samples.iter().map(|row| places(view.capture, shown, row)).collect();
-    let curves: Vec<Vec<i64>> = samples.iter().map(|row| curves(row).to_vec()).collect();
-    table(&mut text, "joints", &places);
-    table(&mut text, "curves", &curves);
+    let samples = || view.rows.iter().step_by(stride);
+    table(&mut text, "joints", samples().map(|row| places(view.capture, shown, row)));
+    table(&mut text, "curves", samples().map(|row| curves(row).to_vec()));
     text.push('}');
     text
 }
 
 /// `,"name":[...]`: rows of equal length one after the other, each but the first as differences.
-fn table(text: &mut String, name: &str, rows: &[Vec<i64>]) {
+fn table(text: &mut String, name: &str, rows: impl Iterator<Item = Vec<i64>>) {
     write!(text, ",\"{name}\":[").expect("a string takes all");
-    for (index, row) in rows.iter().enumerate() {
-        for (column, value) in row.iter().enumerate() {
-            let before = index.checked_sub(1).map_or(0, |index| rows[index][column]);
+    let mut before: Vec<i64> = Vec::new();
+    for (index, row) in rows.enumerate() {
+        before.resize(row.len(), 0);
+        for (column, (value, before)) in row.iter().zip(&before).enumerate() {
             let comma = if index + column > 0 { "," } else { "" };
             write!(text, "{comma}{}", value - before).expect("a string takes all");
         }
+        before = row;
     }
     text.push(']');
 }

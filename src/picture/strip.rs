@@ -101,6 +101,7 @@ pub(crate) mod tests {
             leg_length: 0.84,
             flanks: [0.0; 2],
             belly: 0.0,
+            flesh: vec![],
         }
     }
 

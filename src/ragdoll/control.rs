@@ -113,7 +113,7 @@ pub struct Controller {
     pub(super) stopped: Vec<DVec3>,
     pub(super) aimed: f64,
     pub(super) leaving: Option<(Side, usize)>,
-    pub(super) bends: [Option<(f64, f64)>; 2],
+    pub(super) slants: [DVec2; 2], // m, from the ground point of a foot to under its ankle: none on level ground
     /// Where it is to walk.
     pub order: Option<Order>,
     /// How it does.
@@ -139,7 +139,7 @@ impl Controller {
             stand_height: motion.com.y,
             pelvis_height: states[0].origin.y,
             leaving: None,
-            bends: [None; 2],
+            slants: [DVec2::ZERO; 2],
             order: None,
             gait: Gait::default(),
             aimed: states[0].origin.y,
@@ -180,7 +180,7 @@ impl Controller {
     /// m, the middle of a sole, (x, z).
     pub(super) fn sole_middle(&self, figure: &Figure, side: Side) -> DVec2 {
         let (ankle, yaw) = self.foot(figure, side);
-        flat(ankle) + self.ahead(yaw)
+        flat(ankle) - self.slants[side as usize] + self.ahead(yaw)
     }
 
     /// m, from the ankle to where a foot bears best.
@@ -198,6 +198,7 @@ impl Controller {
         let pressed = world.feet_pressed(figure);
         let loads = Side::BOTH.map(|side| world.pressed(figure.legs[side as usize][2]));
         self.observe(dt);
+        self.slants = Side::BOTH.map(|side| slant(figure, terrain, flat(self.foot(figure, side).0)));
         let floor = self.floor(figure, terrain);
         let height = (self.motion.com.y - floor).max(0.3 * self.stand_height);
         let rate = (GRAVITY / height).sqrt();
@@ -259,7 +260,7 @@ impl Controller {
         let cop = inside + (goal - inside).clamp_length_max(moment / (mass * GRAVITY));
         self.report.cop = inside;
         // Height: as the stand, but never past the legs' reach.
-        let aim = self.wanted_height(figure, floor);
+        let aim = self.wanted_height(figure, terrain, floor);
         let most = tuning.sink * dt * self.size.sqrt();
         self.aimed += (aim - self.aimed).clamp(-most, most);
         let wanted_height = self.aimed;
@@ -298,19 +299,22 @@ impl Controller {
             }
         }
         let legs = Side::BOTH.map(|side| {
+            let bent = self.bend(figure, side);
             let bears = self.swing.is_none_or(|swing| swing.side != side);
-            LegMap::new(figure, &self.motion, figure.legs[side as usize], tuning.damping[usize::from(!bears)])
+            LegMap::new(figure, &self.motion, figure.legs[side as usize], tuning.damping[usize::from(!bears)], bent)
         });
         let feet = Side::BOTH.map(|side| self.foot_task(figure, terrain, side));
-        self.bends = Side::BOTH.map(|side| self.bend(figure, side));
-        // A foot that bears stands still as soon as it touches: its leg's dampers must not carry its last motion on.
+        // A foot that bears stands still on the ground (a platform turns about the origin) as soon as it touches: its leg's dampers
+        // must not carry its last motion on.
+        let ground_spin = short(terrain.turn(self.time + dt) * terrain.turn(self.time).inverse()) / dt;
         self.stopped.clear();
         self.stopped.resize(count, DVec3::ZERO);
         for side in Side::BOTH {
             if self.swing.is_none_or(|swing| swing.side != side) {
                 let leg = figure.legs[side as usize];
-                let change =
-                    legs[side as usize].change(-self.motion.origin_velocity(leg[2]), -self.states[leg[2]].spin);
+                let carried = ground_spin.cross(self.states[leg[2]].origin);
+                let change = legs[side as usize]
+                    .change(carried - self.motion.origin_velocity(leg[2]), ground_spin - self.states[leg[2]].spin);
                 for (link, change) in leg.into_iter().zip(change) {
                     self.stopped[link] = change * tuning.snap;
                 }
@@ -421,7 +425,10 @@ impl Controller {
         let beyond = (cop - goal) * (rate * mass);
         let short = wanted.linear - DVec3::new(wrench[0], wrench[1] - mass * GRAVITY, wrench[2]) / mass;
         let force = DVec3::new(beyond.x, 0.0, beyond.y) + DVec3::new(short.x, 0.0, short.z) * mass;
-        (torque, force.clamp_length_max(bound.force * share))
+        let force = force.clamp_length_max(bound.force * share);
+        // What is bounded is the torque at the pelvis, where the force acts: its moment about the centre of mass is part of it.
+        let moment = (self.states[0].origin - self.motion.com).cross(force);
+        ((torque - moment).clamp_length_max(bound.torque * share) + moment, force)
     }
 
     /// Torques to the world: a spring and a damper whose rests give what is needed if all goes as planned.
@@ -464,4 +471,9 @@ impl Controller {
             world.drive(figure, index, &JointDrive { stiffness, damping, ahead, stiff });
         }
     }
+}
+
+/// m, by how much an ankle is beside its foot's ground point where the ground leans, (x, z).
+pub(super) fn slant(figure: &Figure, terrain: &Terrain, at: DVec2) -> DVec2 {
+    flat(terrain.spot(at).normal) * figure.ankle_height
 }

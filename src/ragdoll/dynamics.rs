@@ -152,11 +152,13 @@ pub struct LegMap {
     factored: Factored,
     axes: [DVec3; 6],
     links: [usize; 3],
+    bent: Option<(f64, f64)>,
 }
 
 impl LegMap {
-    /// At the present pose. `stiff`: acceleration of the ankle's held axis is given apart.
-    pub fn new(figure: &Figure, motion: &Motion, leg: [usize; 3], damping: f64) -> LegMap {
+    /// At the present pose. `bent`: how much of the knee's acceleration is given apart, and the acceleration, rad/s²; the other
+    /// joints make up for it.
+    pub fn new(figure: &Figure, motion: &Motion, leg: [usize; 3], damping: f64, bent: Option<(f64, f64)>) -> LegMap {
         let [hip, knee, ankle] = leg;
         let pelvis = figure.links[hip].parent.unwrap_or(0);
         let over = motion.states[pelvis].turn;
@@ -181,7 +183,13 @@ impl LegMap {
                 jacobian[row][column] = value;
             }
         }
-        LegMap { jacobian, factored: damped(&jacobian, damping), axes, links: leg }
+        let mut left = jacobian;
+        if let Some((share, _)) = bent {
+            for row in &mut left {
+                row[3] *= 1.0 - share;
+            }
+        }
+        LegMap { jacobian: left, factored: damped(&left, damping), axes, links: leg, bent }
     }
 
     /// Changes of the relative angular velocities of hip, knee and ankle (world axes) that change the foot's motion by that.
@@ -208,12 +216,19 @@ impl LegMap {
         let thigh = motion.child(figure, hip, pelvis, DVec3::ZERO);
         let shank = motion.child(figure, knee, &thigh, DVec3::ZERO);
         let foot = motion.child(figure, ankle, &shank, held);
-        let (linear, angular) = (wanted.linear - foot.linear, wanted.angular - foot.angular);
+        let (mut linear, mut angular) = (wanted.linear - foot.linear, wanted.angular - foot.angular);
+        let (mut left, mut bend) = (1.0, DVec3::ZERO);
+        if let Some((share, acceleration)) = self.bent {
+            bend = self.axes[3] * (acceleration * share);
+            left = 1.0 - share;
+            linear -= bend.cross(motion.states[ankle].origin - motion.states[knee].origin);
+            angular -= bend;
+        }
         let y = self.factored.solve(&[linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]);
         let x = transposed(&self.jacobian, &y);
         [
             self.axes[0] * x[0] + self.axes[1] * x[1] + self.axes[2] * x[2],
-            self.axes[3] * x[3],
+            self.axes[3] * (x[3] * left) + bend,
             self.axes[4] * x[4] + self.axes[5] * x[5] + held,
         ]
     }

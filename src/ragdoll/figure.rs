@@ -204,6 +204,12 @@ impl Figure {
         (0..self.link_of.len()).rev().find(below).unwrap_or(own)
     }
 
+    /// The role of the joint that a link turns about.
+    pub fn role_of(&self, link: usize) -> Role {
+        let joint = self.link_of.iter().position(|owner| *owner == link);
+        joint.map_or(Role::Hips, |joint| self.roles[joint])
+    }
+
     /// The link that a role's joint moves with.
     pub fn link_of_role(&self, role: Role) -> Option<usize> {
         self.roles.iter().position(|own| *own == role).map(|joint| self.link_of[joint])
@@ -216,6 +222,8 @@ impl Figure {
     }
 }
 
+/// Share of the height by which a pelvis reaches under its centre of mass.
+const UNDER_CENTRE: f64 = 0.10;
 /// A ball joint with all its angles.
 const BALL: Freedom = Freedom::Ball { stiff: None };
 
@@ -332,7 +340,8 @@ impl<'a> Maker<'a> {
         }
     }
 
-    /// Boxes from the reach of the links and their masses at the density of flesh; feet from their soles.
+    /// Boxes from the mesh; where it shows none, from the reach of the links and their masses at the density of flesh. Feet
+    /// from their soles.
     fn shape(&mut self, link_of: &[usize]) {
         for index in 0..self.links.len() {
             let origin = self.positions[self.joints[index]];
@@ -356,12 +365,26 @@ impl<'a> Maker<'a> {
             for point in &inside {
                 (low, high) = (low.min(*point), high.max(*point));
             }
+            if link.part == Part::Pelvis {
+                // Some rigs have their hips bone on the ground, between the feet.
+                low.y = low.y.max(link.centre.y - UNDER_CENTRE * self.body.height);
+            }
             let volume = link.mass / 1000.0;
             let long = (high - low).max_element().max(0.5 * volume.cbrt());
             let side = (volume / long).sqrt();
             let half = (0.5 * (high - low)).max(DVec3::splat(0.5 * side));
             link.half = half;
             link.middle = 0.5 * (low + high);
+        }
+        for flesh in &self.body.flesh {
+            // A link that has swallowed another (a locked hand) keeps the box around both.
+            let alone = |link: usize| self.body.flesh.iter().filter(|other| link_of[other.joint] == link).count() == 1;
+            let link = link_of[flesh.joint];
+            if self.joints[link] == flesh.joint && alone(link) {
+                let turn = self.stand.turns[flesh.joint];
+                let link = &mut self.links[link];
+                (link.half, link.middle, link.turn) = (flesh.half, turn * flesh.middle, turn * flesh.turn);
+            }
         }
         for side in Side::BOTH {
             let corners = self.sole(side);

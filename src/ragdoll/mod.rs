@@ -5,6 +5,7 @@ pub mod dynamics;
 pub mod fall;
 pub mod figure;
 mod forces;
+pub mod gait;
 mod ground;
 mod linear;
 pub mod plan;

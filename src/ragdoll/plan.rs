@@ -26,6 +26,8 @@ pub struct Situation {
     pub size: f64,
     /// The foot that stepped last.
     pub last: Option<Side>,
+    /// m, by how much a step is to fall short of ξ: none where it is to stop.
+    pub drift: DVec2,
 }
 
 /// A step.
@@ -107,7 +109,8 @@ pub fn aim(situation: &Situation, tuning: &StepTuning, side: Side, time: f64, le
     let stance = situation.feet[side.other() as usize];
     let motion = situation.velocity.normalize_or_zero() * (situation.velocity.length() / 0.3).min(1.0);
     let whole = (situation.rate * time).exp();
-    let capture = touch + outward * (tuning.outside * size / (1.0 + whole)) + motion * (tuning.along * size);
+    let capture =
+        touch - situation.drift + outward * (tuning.outside * size / (1.0 + whole)) + motion * (tuning.along * size);
     let mut at = capture;
     // On its own side of the stance foot.
     let apart = (at - stance).dot(outward);

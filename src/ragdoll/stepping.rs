@@ -1,6 +1,6 @@
 //! When a foot leaves the ground, where it goes and when it stands again: corrective steps and unhurried ones. Scenario space, SI.
 
-use super::control::{Controller, Swing};
+use super::control::{Controller, Swing, slant};
 use super::figure::Figure;
 use super::flat;
 use super::plan::{self, Situation};
@@ -35,6 +35,7 @@ impl Controller {
             feet: Side::BOTH.map(|side| self.sole_middle(figure, side)),
             size: self.size,
             last: self.last,
+            drift: self.drift(rate),
         }
     }
 
@@ -56,7 +57,8 @@ impl Controller {
         if let Some(mut swing) = self.swing {
             let passed = self.time - swing.start;
             let (ankle, _) = self.foot(figure, swing.side);
-            let near = (flat(ankle) + self.ahead(swing.yaw)).distance(swing.target) < 0.10 * self.size;
+            let near = (flat(ankle) - self.slants[swing.side as usize] + self.ahead(swing.yaw)).distance(swing.target)
+                < 0.10 * self.size;
             let down = pressed[swing.side as usize];
             if down && passed > if near { 0.5 } else { 0.7 } * swing.time {
                 self.swing = None;
@@ -78,7 +80,7 @@ impl Controller {
                     let situation = self.situation(figure, xi, rate, cop);
                     swing.target = plan::aim(&situation, &self.tuning.step, swing.side, swing.time, left).at;
                 }
-                self.carry_on(swing, terrain, down, dt);
+                self.carry_on(figure, swing, terrain, down, dt);
             }
         }
         if self.swing.is_none() {
@@ -120,11 +122,12 @@ impl Controller {
     }
 
     /// One tick more of a swing's reference, towards its target.
-    pub(super) fn carry_on(&mut self, mut swing: Swing, terrain: &Terrain, down: bool, dt: f64) {
+    pub(super) fn carry_on(&mut self, figure: &Figure, mut swing: Swing, terrain: &Terrain, down: bool, dt: f64) {
         let passed = self.time - swing.start;
         let left = (swing.time - passed).max(0.0);
         swing.yaw += wrap_angle(self.heading - swing.yaw) * (dt / (left + dt)).min(1.0);
-        let goal = swing.target - self.ahead(swing.yaw);
+        let stands = swing.target - self.ahead(swing.yaw);
+        let goal = stands + slant(figure, terrain, stands);
         // Off the ground before it travels.
         let rise = if self.gait.walks() { self.gait.tuning.rise } else { self.tuning.rise };
         if !down || passed > rise * swing.time {
@@ -135,7 +138,7 @@ impl Controller {
             swing.reference = swing::onwards(&swing.reference, goal, left, dt);
         }
         let x = (passed + dt) / (0.92 * swing.time);
-        let ground = terrain.spot(goal).height;
+        let ground = terrain.spot(stands).height;
         let base = swing.from.y + (ground - swing.from.y) * x.clamp(0.0, 1.0);
         let (y, v, a) = if x < 1.0 {
             let [l, d, a] = swing::lift(x);

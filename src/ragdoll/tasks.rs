@@ -9,6 +9,9 @@ use crate::maths::curve::smooth3;
 use crate::model::{Side, Terrain};
 use glam::{DQuat, DVec2, DVec3};
 
+/// Share of a leg's length by which it is shortened on ground that leans by a right angle.
+const STEEP: f64 = 0.6;
+
 impl Controller {
     /// The middle of what bears, (x, z).
     pub(super) fn support_middle(&self, figure: &Figure) -> DVec2 {
@@ -20,9 +23,11 @@ impl Controller {
     }
 
     /// m, the pelvis's height: the stand's, or less where a leg would not reach.
-    pub(super) fn wanted_height(&self, figure: &Figure, floor: f64) -> f64 {
+    pub(super) fn wanted_height(&self, figure: &Figure, terrain: &Terrain, floor: f64) -> f64 {
         let pelvis = self.states[0];
         let mut height = self.pelvis_height + floor;
+        // On steep ground the knees are bent beforehand: a step down it must find ground.
+        let crouch = STEEP * (1.0 - terrain.spot(flat(pelvis.origin)).normal.y);
         for side in Side::BOTH {
             let [hip, knee, ankle] = figure.legs[side as usize];
             let length = figure.links[knee].anchor.length() + figure.links[ankle].anchor.length();
@@ -33,9 +38,10 @@ impl Controller {
                     let left = (swing.start + swing.time - self.time).max(0.0);
                     let goal = swing.target - self.ahead(swing.yaw);
                     let drift = flat(self.motion.velocity) * left;
+                    let lands = terrain.spot(goal).height;
                     let at = DVec3::new(
                         goal.x - drift.x,
-                        self.states[ankle].origin.y.min(floor + figure.ankle_height),
+                        self.states[ankle].origin.y.min(lands + figure.ankle_height),
                         goal.y - drift.y,
                     );
                     (at, self.tuning.reach[1] + 0.05 * left / swing.time)
@@ -44,7 +50,7 @@ impl Controller {
                     // Who is at ease stands as in the stand, almost straight.
                     let ease = ((self.time - self.alarmed) / self.size.sqrt() - 0.5).clamp(0.0, 1.0);
                     let alarmed = self.tuning.reach[usize::from(self.swing.is_some())];
-                    (self.states[ankle].origin, alarmed + (self.tuning.at_ease - alarmed).max(0.0) * ease)
+                    (self.states[ankle].origin, alarmed + (self.tuning.at_ease - alarmed).max(0.0) * ease - crouch)
                 }
             };
             let away = (flat(hip_at) - flat(foot)).length();
@@ -145,11 +151,7 @@ impl Controller {
             let shank = self.states[knee].turn;
             let held = shank * DVec3::Y;
             let held = held * held.dot(self.relative[ankle]);
-            let [a, mut b, c] = legs[side].solve(figure, &self.motion, root, &feet[side], held);
-            if let (Some((share, bend)), Freedom::Hinge { axis, .. }) = (self.bends[side], figure.links[knee].freedom) {
-                let axis = self.states[hip].turn * axis;
-                b = b * (1.0 - share) + axis * (bend * share);
-            }
+            let [a, b, c] = legs[side].solve(figure, &self.motion, root, &feet[side], held);
             for (link, relative) in [(hip, a), (knee, b), (ankle, c)] {
                 let parent = figure.links[link].parent.unwrap_or(0);
                 self.accelerations[link] = self.motion.child(figure, link, &self.accelerations[parent], relative);

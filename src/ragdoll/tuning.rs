@@ -118,7 +118,7 @@ impl Default for Tuning {
             sink: 1.2,
             wide: 0.65,
             onwards: 0.7,
-            straight: 0.93,
+            straight: 0.86,
             damping: [0.08, 0.2],
         }
     }

@@ -7,6 +7,7 @@
 use super::control::{Controller, Swing};
 use super::figure::Figure;
 use super::figure::Part;
+use super::gait::{Orbit, fastest, turned, weights};
 use super::swing::Reference;
 use crate::maths::hull::{closest_point, signed_distance};
 use crate::maths::pendulum::GRAVITY;
@@ -14,148 +15,7 @@ use crate::maths::quat::wrap_angle;
 use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
 
-/// Where to walk.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Order {
-    /// m/s, (x, z).
-    pub velocity: DVec2,
-    /// rad, where to face.
-    pub facing: f64,
-}
-
-/// Constants of the gait.
-#[derive(Clone, Copy, Debug)]
-pub struct WalkTuning {
-    /// s, from touchdown to touchdown, at no speed and for each m/s more.
-    pub step: [f64; 2],
-    /// Share of a step in which both feet bear.
-    pub double: f64,
-    /// m, between the feet.
-    pub width: f64,
-    /// m, the pressure's way under a foot at 1 m/s, from and to.
-    pub roll: [f64; 2],
-    /// Feedback from ξ to the pressure.
-    pub gain: f64,
-    /// m/s, the most.
-    pub fastest: f64,
-    /// m/s², how fast the speed changes.
-    pub ramp: f64,
-    /// rad/s, how fast the heading changes.
-    pub turn: f64,
-    /// m, lift of a foot.
-    pub lift: f64,
-    /// m, how near to the stance foot ξ must be for the first step.
-    pub over: f64,
-    /// m, the least distance to the own side of the stance foot.
-    pub clear: f64,
-    /// m, from the stance foot.
-    pub span: f64,
-    /// Share of ξ's error that the next foot takes up.
-    pub place: f64,
-    /// 1/s, how fast a lasting lack of speed is made up for.
-    pub integral: f64,
-    /// rad at 1 m/s, swing of the arms.
-    pub arms: f64,
-    /// rad at 1 m/s, twist of the trunk.
-    pub twist: f64,
-    /// Weight of the pelvis's yaw among what the contact forces are for.
-    pub yaw: f64,
-    /// Share of a swing by which the foot must be off the ground.
-    pub rise: f64,
-}
-
-impl Default for WalkTuning {
-    fn default() -> WalkTuning {
-        WalkTuning {
-            step: [0.50, -0.05],
-            double: 0.06,
-            width: 0.11,
-            roll: [-0.05, 0.07],
-            gain: 2.0,
-            fastest: 1.3,
-            ramp: 0.8,
-            turn: 0.6,
-            lift: 0.04,
-            over: 0.05,
-            clear: 0.09,
-            span: 0.9,
-            place: 1.0,
-            integral: 0.3,
-            arms: 0.4,
-            twist: 0.08,
-            yaw: 3.0,
-            rise: 0.05,
-        }
-    }
-}
-
-/// Where in the gait.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Phase {
-    /// Not walking.
-    #[default]
-    Rest,
-    /// The weight goes over the first stance foot.
-    Start,
-    /// Both feet bear.
-    Double,
-    /// One foot bears.
-    Single,
-}
-
-/// What the gait remembers.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Gait {
-    /// Its constants.
-    pub tuning: WalkTuning,
-    phase: Phase,
-    velocity: DVec2,
-    side: usize, // that swings, or will next
-    since: f64,  // the last touchdown, or the start
-    goal: DVec2,
-    ends: f64, // when both feet bear no more
-    lacks: DVec2,
-    mean: DVec2,
-}
-
-/// The steady gait beside the stance sole's middle, at an instant.
-struct Orbit {
-    cop: DVec2,
-    xi: DVec2,
-    stride: DVec2,
-    rear: f64,
-    left: f64,
-}
-
-impl Gait {
-    /// Whether it is in charge.
-    pub fn walks(&self) -> bool {
-        self.phase != Phase::Rest
-    }
-
-    /// m/s, the command as it is followed now, (x, z).
-    pub fn velocity(&self) -> DVec2 {
-        self.velocity
-    }
-
-    /// Whether both feet bear, or one does, in a walk that has begun.
-    pub fn phase(&self) -> Phase {
-        self.phase
-    }
-
-    pub(super) fn pressure(&self) -> Option<DVec2> {
-        self.walks().then_some(self.goal)
-    }
-
-    /// Whether that foot is about to leave.
-    pub(super) fn leaves(&self, side: Side, time: f64) -> bool {
-        self.phase == Phase::Double && self.side == side as usize && time > self.ends - 0.03
-    }
-
-    fn swings(&self) -> Side {
-        Side::BOTH[self.side]
-    }
-}
+pub use super::gait::{Gait, Order, Phase, WalkTuning};
 
 impl Controller {
     /// The gait's part in a tick; false where it is not in charge.
@@ -189,11 +49,12 @@ impl Controller {
                 self.quiet = 0.0;
             }
             Phase::Start => {}
+            Phase::Caught => return self.goes_on(figure, xi, rate, &hull, goes),
             _ => {
                 self.heading += turn;
                 // While it turns, the way to go turns with it.
                 let left = wrap_angle(order.facing - self.heading);
-                let wanted = turned(order.velocity, -left).clamp_length_max(tuning.fastest * tempo);
+                let wanted = turned(order.velocity, -left).clamp_length_max(self.fastest());
                 let velocity = turned(self.gait.velocity, turn);
                 self.gait.velocity = velocity + (wanted - velocity).clamp_length_max(tuning.ramp * dt);
                 self.gait.lacks = turned(self.gait.lacks, turn);
@@ -206,7 +67,7 @@ impl Controller {
             }
         }
         match self.gait.phase {
-            Phase::Rest => false,
+            Phase::Rest | Phase::Caught => false,
             Phase::Start => self.set_off(figure, loads, xi, rate, &hull, dt, goes),
             Phase::Double => self.both(figure, loads, xi, rate, &hull, dt, goes),
             Phase::Single => self.single(figure, terrain, pressed, xi, rate, &hull, dt),
@@ -234,14 +95,20 @@ impl Controller {
         [most * cos, -most * turn * sin, -most * turn * turn * cos]
     }
 
+    /// m/s, the fastest that it walks: by its legs and by how fast it falls.
+    pub fn fastest(&self) -> f64 {
+        fastest(self.size, self.stand_height, self.gait.tuning.fastest)
+    }
+
     fn across(&self) -> DVec2 {
         DVec2::new(self.heading.cos(), -self.heading.sin())
     }
 
     /// s: a whole step, and its part in which both feet bear.
     fn rhythm(&self) -> [f64; 2] {
-        let tempo = self.size.sqrt();
-        let speed = self.gait.velocity.length() / tempo;
+        // A step's time is the pendulum's, which falls from the centre of mass's height; its length is the legs'.
+        let tempo = (self.stand_height / 0.96).sqrt();
+        let speed = self.gait.velocity.length() * tempo / self.size;
         let step = (self.gait.tuning.step[0] + self.gait.tuning.step[1] * speed) * tempo;
         [step, step * self.gait.tuning.double]
     }
@@ -338,14 +205,14 @@ impl Controller {
         });
     }
 
-    /// The pressure that holds ξ on its orbit, and ξ's error at the next touchdown.
-    fn steer(&mut self, stance: DVec2, xi: DVec2, orbit: &Orbit, rate: f64, hull: &[DVec2]) -> DVec2 {
+    /// The pressure that holds ξ on its orbit; ξ's error, and how much of it the pressure can hold.
+    fn steer(&mut self, stance: DVec2, xi: DVec2, orbit: &Orbit, hull: &[DVec2]) -> (DVec2, DVec2) {
         let off = xi - stance - orbit.xi;
         let wanted = stance + orbit.cop + off * self.gait.tuning.gain;
         self.gait.goal = wanted;
         let inside = closest_point(hull, wanted).unwrap_or(wanted);
         let gives = (inside - stance - orbit.cop).clamp_length_max(off.length());
-        gives + (off - gives) * (rate * orbit.left).exp()
+        (off, gives)
     }
 
     #[expect(clippy::too_many_arguments, reason = "one tick")]
@@ -363,7 +230,7 @@ impl Controller {
         let stance = self.sole_middle(figure, swings.other());
         let passed = self.time - self.gait.since;
         let orbit = self.orbit(rate, swings, passed);
-        self.steer(stance, xi, &orbit, rate, hull);
+        self.steer(stance, xi, &orbit, hull);
         let weight = self.motion.mass * GRAVITY * dt;
         let borne = loads[swings.other() as usize] > 0.3 * weight;
         if !goes && self.gait.velocity.length() < 0.02 && signed_distance(hull, xi) < -0.03 * self.size {
@@ -391,6 +258,7 @@ impl Controller {
             self.gait.phase = Phase::Rest;
             return false;
         };
+        let tuning = self.gait.tuning;
         let passed = self.time - swing.start;
         let (ankle, _) = self.foot(figure, swing.side);
         let near = (super::flat(ankle) + self.ahead(swing.yaw)).distance(swing.target) < 0.10 * self.size;
@@ -406,45 +274,119 @@ impl Controller {
             let stance = self.sole_middle(figure, swing.side);
             let orbit = self.orbit(rate, swing.side.other(), 0.0);
             let hull = self.hull(figure);
-            self.steer(stance, xi, &orbit, rate, &hull);
+            let (off, _) = self.steer(stance, xi, &orbit, &hull);
+            if off.length() > tuning.caught[0] * self.size {
+                self.gait.phase = Phase::Caught;
+                return false;
+            }
             return true;
         }
         let stance = self.sole_middle(figure, swing.side.other());
-        let mut orbit = self.orbit(rate, swing.side, self.time - self.gait.since);
-        orbit.left = orbit.left.min((swing.time - passed).max(0.0));
-        let error = self.steer(stance, xi, &orbit, rate, hull);
+        let orbit = self.orbit(rate, swing.side, self.time - self.gait.since);
+        let own = orbit.left.max(0.2 * self.size.sqrt() - passed).max(0.0);
+        let (off, gives) = self.steer(stance, xi, &orbit, hull);
         if passed < 0.85 * swing.time {
-            swing.target = self.foothold(stance, swing.side, &orbit, error);
+            let (at, left) = self.foothold(&swing, stance, &orbit, rate, off, gives, own);
+            swing.target = at;
+            swing.time = passed + left.max(0.02);
         }
-        self.carry_on(swing, terrain, down, dt);
+        self.carry_on(figure, swing, terrain, down, dt);
         true
     }
 
-    fn foothold(&self, stance: DVec2, side: Side, orbit: &Orbit, error: DVec2) -> DVec2 {
-        let tuning = &self.gait.tuning;
-        let mut step = orbit.stride + error * (tuning.place / (1.0 - orbit.rear));
-        step = step.clamp_length_max(tuning.span * self.size);
-        let outward = self.across() * side.sign();
-        let apart = step.dot(outward);
-        if apart < tuning.clear * self.size {
-            step += outward * (tuning.clear * self.size - apart);
+    /// m, by how much corrective steps are to fall short of ξ so that it keeps its speed.
+    pub(super) fn drift(&self, rate: f64) -> DVec2 {
+        if self.gait.phase != Phase::Caught {
+            return DVec2::ZERO;
         }
-        stance + step
+        let tempo = self.size.sqrt();
+        let time = 0.28 * tempo;
+        self.gait.velocity * (self.gait.tuning.keeps * time / ((rate * time).exp() - 1.0))
     }
-}
 
-/// A ground vector (x, z) turned by a yaw.
-fn turned(vector: DVec2, yaw: f64) -> DVec2 {
-    let (sin, cos) = yaw.sin_cos();
-    DVec2::new(vector.x * cos + vector.y * sin, vector.y * cos - vector.x * sin)
-}
-
-/// What a straight run of the pressure of `time` s, that starts `after` s from now, counts in ξ: of its two ends.
-fn weights(rate: f64, after: f64, time: f64) -> [f64; 2] {
-    let (one, two) = ((-rate * after).exp(), (-rate * (after + time)).exp());
-    if rate * time < 1e-9 {
-        return [0.0, 0.0];
+    /// Whether corrective steps have brought it back to where the walk can go on.
+    fn goes_on(&mut self, figure: &Figure, xi: DVec2, rate: f64, hull: &[DVec2], goes: bool) -> bool {
+        if self.swing.is_some() {
+            return false;
+        }
+        if !goes || signed_distance(hull, xi) < -0.02 * self.size {
+            self.gait.phase = Phase::Rest;
+            return false;
+        }
+        let landed = self.last.unwrap_or(Side::Left);
+        let stance = self.sole_middle(figure, landed);
+        let orbit = self.orbit(rate, landed.other(), 0.0);
+        if (xi - stance - orbit.xi).length() > self.gait.tuning.caught[1] * self.size {
+            return false;
+        }
+        self.gait.phase = Phase::Double;
+        self.gait.side = landed.other() as usize;
+        self.gait.since = self.time;
+        self.gait.ends = self.time + self.rhythm()[1];
+        self.gait.lacks = DVec2::ZERO;
+        self.gait.mean = self.gait.velocity;
+        self.shifting = None;
+        self.leaving = None;
+        self.steer(stance, xi, &orbit, hull);
+        true
     }
-    let mean = (one - two) / (rate * time);
-    [one - mean, mean - two]
+
+    /// Where the swinging foot should stand, and in how many seconds: at the gait's own time while that is near its own place,
+    /// sooner when ξ runs away.
+    #[expect(clippy::too_many_arguments, reason = "one plan")]
+    fn foothold(
+        &self,
+        swing: &Swing,
+        stance: DVec2,
+        orbit: &Orbit,
+        rate: f64,
+        off: DVec2,
+        gives: DVec2,
+        own: f64,
+    ) -> (DVec2, f64) {
+        let tuning = self.gait.tuning;
+        let (size, tempo) = (self.size, self.size.sqrt());
+        let passed = self.time - swing.start;
+        let outward = self.across() * swing.side.sign();
+        let begun = self.time - self.gait.since;
+        let last = self.orbit(rate, swing.side, begun + own).xi;
+        let push = super::flat(self.push) * (tuning.foreseen / (self.motion.mass * rate * rate));
+        let (com, velocity) = (super::flat(self.motion.com), super::flat(self.motion.velocity));
+        let from = DVec2::new(swing.reference.at.x, swing.reference.at.z) + self.ahead(swing.yaw);
+        let plan = |left: f64| {
+            let growth = (rate * left).exp();
+            let error = gives + (off - gives) * growth + push * (growth - 1.0);
+            let early = self.orbit(rate, swing.side, begun + left).xi - last;
+            let wanted = orbit.stride + (early + error) * (tuning.place / (1.0 - orbit.rear));
+            let mut step = wanted.clamp_length_max(tuning.span * size);
+            let (sinh, cosh) = ((rate * left).sinh(), (rate * left).cosh());
+            let pivot = stance + orbit.cop + gives;
+            let hip = pivot + (com - pivot) * cosh + velocity * (sinh / rate) + outward * (0.09 * size) - stance;
+            step = hip + (step - hip).clamp_length_max(tuning.reach * size);
+            let apart = step.dot(outward);
+            if apart < tuning.clear * size {
+                step += outward * (tuning.clear * size - apart);
+            }
+            let astray = (wanted - orbit.stride).length();
+            let late = (from.distance(stance + step) - tuning.speed * tempo * left).max(0.0);
+            let cost = tuning.hurry * tempo * (own - left)
+                + tuning.dear[0] * (astray - tuning.astray * size).max(0.0)
+                + tuning.dear[1] * (wanted.distance(step) + late);
+            (cost, step, astray)
+        };
+        let (mut cost, mut step, astray) = plan(own);
+        let mut time = own;
+        if astray > tuning.astray * size {
+            let mut left = (tuning.soonest * tempo - passed).max(0.06 * tempo);
+            while left < own {
+                let other = plan(left);
+                if other.0 < cost {
+                    (cost, step, _) = other;
+                    time = left;
+                }
+                left += 0.02 * tempo;
+            }
+        }
+        (stance + step, time)
+    }
 }

@@ -75,7 +75,7 @@ impl World {
         physics.integration_parameters.friction_model = FrictionModel::Coulomb;
         let (mut links, mut boxes, mut frames) = (Vec::new(), Vec::new(), Vec::new());
         let mut root = None;
-        for (link, (origin, turn)) in figure.links.iter().zip(placed) {
+        for (index, (link, (origin, turn))) in figure.links.iter().zip(placed).enumerate() {
             let mass = MassProperties::with_inertia_matrix(
                 vector(link.centre),
                 link.mass as f32,
@@ -85,8 +85,9 @@ impl World {
                 .pose(Pose::from_parts(vector(*origin), rotation(*turn)))
                 .additional_mass_properties(mass)
                 .can_sleep(false);
-            let collider = shape_of(link.part, link.half)
-                .position(Pose::from_parts(vector(link.middle), rotation(link.turn)))
+            let (half, middle) = above_legs(figure, index);
+            let collider = shape_of(link.part, half)
+                .position(Pose::from_parts(vector(middle), rotation(link.turn)))
                 .density(0.0)
                 .friction(terrain.friction.max(0.0) as f32)
                 .friction_combine_rule(CoefficientCombineRule::Min)
@@ -281,6 +282,22 @@ impl World {
     pub fn feet_pressed(&self, figure: &Figure) -> [bool; 2] {
         Side::BOTH.map(|side| self.pressed(figure.legs[side as usize][2]) > 0.0)
     }
+}
+
+/// Half sides and middle of a link's box. A pelvis whose joint is far below the hips (a root on the floor) reaches down to
+/// under the hips only: it would scrape along the ground.
+fn above_legs(figure: &Figure, index: usize) -> (DVec3, DVec3) {
+    let link = &figure.links[index];
+    let (mut half, mut middle) = (link.half, link.middle);
+    if index == 0 {
+        let hips = figure.legs.map(|leg| figure.links[leg[0]].anchor.y);
+        let (low, high) = (middle.y - half.y, middle.y + half.y);
+        let least = (hips[0].min(hips[1]) - 0.2 * figure.leg_length).min(high - 0.1 * figure.leg_length);
+        if low < least {
+            (half.y, middle.y) = (0.5 * (high - least), 0.5 * (high + least));
+        }
+    }
+    (half, middle)
 }
 
 /// A foot is a box, the rest are capsules along their longest side.

@@ -6,6 +6,7 @@
 
 use super::MeshPart;
 use super::flanks::flanks;
+use super::flesh::flesh;
 use super::segments::segments;
 use super::skin::{Skin, crown};
 use super::sole::{FootInput, foot_shape};
@@ -118,7 +119,8 @@ pub fn derive(input: &BodyInput) -> DerivedBody {
         / 2.0;
     let flanks = flanks(input.mesh, &skin, &places, height);
     let belly = belly(&skin, &places, height);
-    let body = Body { joints, segments, feet, mass, height, leg_length, flanks, belly };
+    let flesh = flesh(&skin, &joints, &feet, height);
+    let body = Body { joints, segments, feet, mass, height, leg_length, flanks, belly, flesh };
     DerivedBody { body, joint_nodes, warnings, confidence_factor }
 }
 

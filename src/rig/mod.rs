@@ -11,6 +11,7 @@ pub mod clips;
 pub mod document;
 pub mod error;
 mod flanks;
+mod flesh;
 pub mod geometry;
 pub mod images;
 pub mod inspect;

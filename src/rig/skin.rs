@@ -83,6 +83,14 @@ impl Skin {
         self.vertices.iter().filter(move |vertex| vertex.share(role) > 0.5).map(|vertex| vertex.place)
     }
 
+    /// Vertices of which roles of some kind have more than half together.
+    pub(super) fn moved_by(&self, kind: &dyn Fn(Role) -> bool) -> Vec<DVec3> {
+        let share = |vertex: &&SkinVertex| {
+            vertex.shares.iter().filter(|entry| entry.0.is_some_and(kind)).map(|entry| entry.1).sum::<f64>() > 0.5
+        };
+        self.vertices.iter().filter(share).map(|vertex| vertex.place).collect()
+    }
+
     /// The vertices of the head; `itself`: without what hangs on nodes of its own, hair and hats.
     pub(super) fn head(&self, itself: bool) -> Vec<DVec3> {
         let hung = |vertex: &SkinVertex| {

@@ -9,7 +9,7 @@ use super::record::{Record, hung};
 use super::{SessionPush, SimulateOptions, TickState, Trace};
 use crate::maths::quat::yaw_of;
 use crate::measure::{KnownPush, PushPoint};
-use crate::model::{Body, BodyPose, Load, Physique, Plant, Side, Terrain};
+use crate::model::{Body, BodyPose, Load, Physique, Plant, Role, Side, Terrain};
 use crate::ragdoll::control::Assist;
 use crate::ragdoll::figure::Part;
 use crate::ragdoll::walk::Order;
@@ -63,6 +63,8 @@ pub struct Articulated {
     pub help: Help,
     /// N m, the largest torque that a joint gave.
     pub peak_torque: f64,
+    /// N m, the largest torque that each joint gave while balance was fought for; the hardest worked first.
+    pub torques: Vec<(Role, f64)>,
     /// The body as the links stand, one a tick and on through the fall; empty where there is none.
     pub poses: Vec<BodyPose>,
     /// s, when the foot was lifted that never stood again before the fall.

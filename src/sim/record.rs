@@ -37,7 +37,7 @@ pub(super) struct Record {
     swings: Vec<(Side, StepKind, f64, f64)>, // side, why, lift, land
     lifted: [Option<(f64, StepKind)>; 2],
     help: Help,
-    peak_torque: f64,
+    torques: Vec<(Role, f64)>,
 }
 
 impl Record {
@@ -50,7 +50,7 @@ impl Record {
             swings: Vec::new(),
             lifted: [None; 2],
             help: Help::default(),
-            peak_torque: 0.0,
+            torques: Vec::new(),
         }
     }
 
@@ -104,7 +104,7 @@ impl Record {
             facing: yaw_of(states[figure.trunk].turn),
             walk: control.gait.velocity(),
             gait: match control.gait.phase() {
-                walk::Phase::Rest => Phase::Rest,
+                walk::Phase::Rest | walk::Phase::Caught => Phase::Rest,
                 walk::Phase::Start => Phase::Start,
                 walk::Phase::Double => Phase::Double,
                 walk::Phase::Single => Phase::Single,
@@ -115,7 +115,11 @@ impl Record {
         let [torque, force] = report.help.map(DVec3::length);
         self.help.torque = [self.help.torque[0].max(torque), self.help.torque[1] + torque * torque];
         self.help.force = [self.help.force[0].max(force), self.help.force[1] + force * force];
-        self.peak_torque = self.peak_torque.max(report.peak_torque);
+        self.torques.resize_with(figure.links.len(), || (Role::Hips, 0.0));
+        for (link, (role, peak)) in self.torques.iter_mut().enumerate() {
+            *role = figure.role_of(link);
+            *peak = peak.max(control.torques[link]);
+        }
     }
 
     pub(super) fn finish(
@@ -135,11 +139,15 @@ impl Record {
         let aloft = self.lifted.iter().flatten().map(|(lift, _)| *lift).reduce(f64::min);
         let unlanded = aloft.filter(|_| lost.is_some());
         let trace = Trace { dt, ticks: self.ticks, steps, aloft: None, pushes, start: self.start, lost, rest };
+        // The root's link has no joint.
+        let mut torques = self.torques.split_off(self.torques.len().min(1));
+        torques.sort_by(|a, b| b.1.total_cmp(&a.1));
         Articulated {
             trace,
             upper,
             help: self.help,
-            peak_torque: self.peak_torque,
+            peak_torque: torques.first().map_or(0.0, |worst| worst.1),
+            torques,
             poses: Vec::new(),
             unlanded,
             balls: Vec::new(),

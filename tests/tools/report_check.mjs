@@ -45,6 +45,7 @@ const seen = (tab, id) => tab.evaluate((id) => {
 async function use(tab, problems) {
   const frame = () => tab.evaluate(() => window.surefoot.frame);
   const must = (holds, what) => { if (!holds) problems.push(what); };
+  await tab.evaluate(() => window.surefoot.open(0));
   const { clips, frames, flags } = await tab.evaluate(() => ({
     clips: window.surefoot.clips.length, frames: window.surefoot.clips[0].frames, flags: window.surefoot.clips[0].flags.length,
   }));

@@ -82,12 +82,21 @@ function tellingFrame(clip, flag) {
     float: (frame) => value(clip, 'sole_' + (flag.foot ?? 'left'), frame),
     penetration: (frame) => -value(clip, 'sole_' + (flag.foot ?? 'left'), frame),
     ballistic: (frame) => value(clip, 'com_y', frame),
+    'foot-slide': (frame) => slip(clip, flag.foot ?? 'left', frame),
+    drift: (frame) => slip(clip, flag.foot ?? 'left', frame),
   }[flag.rule];
   let best = Math.round((flag.start + flag.end) / 2);
   if (!score) return best;
   const step = Math.max(1, Math.floor((flag.end - flag.start) / 200));
   for (let frame = flag.start; frame <= flag.end; frame += step) if (score(frame) > score(best)) best = frame;
   return best;
+}
+
+// How far a foot that bears goes in a frame: the stillest of heel, ball and tip.
+function slip(clip, foot, frame) {
+  if (state(clip, 'part_' + foot, frame) < 0 || value(clip, 'sole_' + foot, frame) > 0.05) return -1;
+  const first = clip.columns - 6 + (foot === 'right' ? 3 : 0), before = pose(clip, frame - clip.stride), after = pose(clip, frame + clip.stride);
+  return Math.min(...[0, 1, 2].map((i) => Math.hypot(...[0, 1, 2].map((axis) => after[first + i][axis] - before[first + i][axis]))));
 }
 
 // Share of the frames that spans cover, both ends of each included.

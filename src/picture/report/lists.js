@@ -152,6 +152,8 @@ function showIndex(current, open) {
       };
     }));
   for (const line of byId('index').querySelectorAll('tr[data-id]')) line.classList.toggle('here', +line.dataset.id === current);
+  const here = byId('index').querySelector('tr.here'), box = byId('index').parentElement;
+  if (here && (here.offsetTop < box.scrollTop + 30 || here.offsetTop > box.scrollTop + box.clientHeight - 40)) box.scrollTop = here.offsetTop - box.clientHeight / 2;
   if (byId('clips').options.length !== clips.length) {
     byId('clips').replaceChildren(...clips.map((clip, index) => element('option', { value: index }, `${clip.name} (${standing(clip).length})`)));
   }

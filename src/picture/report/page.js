@@ -136,6 +136,8 @@ function wire() {
 
 readColours();
 wire();
-open(0);
+// The clip with the worst flag; the first where there is none.
+const worst_of = (clip) => Math.max(0, ...standing(clip).map((flag) => flag.severity));
+open(clips.reduce((best, clip, index) => (worst_of(clip) > worst_of(clips[best]) ? index : best), 0));
 // For whoever drives the page by a program.
 window.surefoot = { clips, seek, open, get frame() { return frame; }, get playing() { return playing; } };

@@ -139,7 +139,7 @@ class TopView {
     context.beginPath();
     context.roundRect(x + 8, y - 22, wide + 10, 17, 4);
     context.fill();
-    context.fillStyle = '#fff';
+    context.fillStyle = colours.card;
     context.fillText(text, x + 13, y - 9);
   }
 
