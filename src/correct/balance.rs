@@ -28,6 +28,8 @@ const CARRIED: f64 = 0.85;
 const CARRY: f64 = 0.06;
 /// m: a pelvis that is lower than beside the span by more comes up.
 const SUNK: f64 = 0.015;
+/// Share of the clip that a fault of the body may last.
+const MOST: f64 = 0.7;
 /// A pelvis whose path loses more than the rest of its unsteadiness was off itself.
 const CALMER: f64 = 0.5;
 /// How much harder it starts there than nine tenths of the clip do.
@@ -45,7 +47,10 @@ fn fix(seen: &Seen, group: &[Flag], attempt: usize, odd: bool) -> Option<Fix> {
     let edge = seen.frames_in(EDGE * if attempt == 2 { 2.0 } else { 1.0 });
     let start = first.start.saturating_sub(edge);
     let end = (group.iter().map(|flag| flag.end).max()? + edge).min(seen.track.len() - 1);
-    if end < start + 6 {
+    // What lasts for most of the clip has no surroundings to come back to.
+    let whole =
+        end - start + 1 >= (MOST * seen.track.len() as f64) as usize || (start == 0 && end + 1 == seen.track.len());
+    if end < start + 6 || whole {
         return None;
     }
     let capture = seen.capture();

@@ -12,6 +12,8 @@ use glam::DVec3;
 
 /// Of the leg's length: what a flight gains at most.
 const HIGHEST: f64 = 0.5;
+/// Of the leg's length: the centre of mass of a body that jumps.
+const UPRIGHT: f64 = 0.85;
 
 /// Proposals for the flags of ballistic.
 pub fn fixes(seen: &Seen, findings: &Findings, attempt: usize) -> Vec<Fix> {
@@ -24,6 +26,13 @@ pub fn fixes(seen: &Seen, findings: &Findings, attempt: usize) -> Vec<Fix> {
         let capture = seen.capture();
         let (from, to) = (flag.start.saturating_sub(1), (flag.end + 1).min(seen.track.len() - 1));
         let height = |frame: usize| capture.centre_of_mass(frame).y;
+        // A body that is low as it takes off or lands falls down or gets up.
+        let low = |frame: usize| {
+            height(frame) - seen.feet.floor_at(frame, seen.track.below(frame)) < UPRIGHT * capture.body.leg_length
+        };
+        if low(from) || low(to) {
+            continue;
+        }
         let seconds = (to - from) as f64 / capture.fps;
         let mut piece = Piece::cut(capture, flag.start, flag.end);
         let mut moved: f64 = 0.0;

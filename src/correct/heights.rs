@@ -20,6 +20,9 @@ const SOLE: f64 = 0.012;
 /// s: how smooth the lift is.
 const SMOOTH: f64 = 0.035;
 
+/// Of the leg's length: nothing is lifted or lowered farther.
+const FARTHEST: f64 = 0.2;
+
 /// Proposals for the flags of penetration and float.
 pub fn fixes(seen: &Seen, findings: &Findings, rules: &[Rule], attempt: usize) -> Vec<Fix> {
     let mut fixes = Vec::new();
@@ -69,6 +72,9 @@ fn fix(seen: &Seen, group: &[Flag], attempt: usize) -> Option<Fix> {
         .collect();
     let (piece, _) = pose(seen.capture(), start, &goals);
     let moved = lift.iter().map(|lift| lift.abs()).fold(0.0, f64::max);
+    if moved > FARTHEST * seen.capture().body.leg_length {
+        return None;
+    }
     let way = if lift.iter().sum::<f64>() < 0.0 { "lowered" } else { "lifted" };
     let who = if whole { "the whole body".to_owned() } else { format!("the {} foot", first.foot.unwrap_or("one")) };
     let what = format!("{who} {way} by up to {:.1} cm", 100.0 * moved);

@@ -29,6 +29,9 @@ const ROUNDS: usize = 3;
 /// Proposals for one flag that are tried, one after the other.
 const ATTEMPTS: usize = 3;
 
+/// Of the leg's length: no repair moves a foot or the pelvis farther.
+const FARTHEST: f64 = 0.5;
+
 /// What a person may set.
 #[derive(Clone, Debug, Default)]
 pub struct CorrectOptions {
@@ -134,7 +137,7 @@ pub fn correct(source: &Capture, options: &CorrectOptions) -> Corrected {
     let before = audit(source, &options.audit);
     let (mut capture, mut after, mut speed) = (source.clone(), before.clone(), 1.0);
     let mut notes = Vec::new();
-    if let Some(faster) = retime::speed(source, &before) {
+    if let Some(faster) = retime::speed(source, &before, options.audit.floor) {
         if options.retime && wanted(options, Rule::Timing) {
             match retime::retimed(source, &before, &options.audit) {
                 Some((clip, found)) => (speed, capture, after) = (clip.fps / source.fps, clip, found),
@@ -159,7 +162,7 @@ pub fn correct(source: &Capture, options: &CorrectOptions) -> Corrected {
                 if !after.flags.iter().any(|flag| rules.contains(&flag.rule)) {
                     break;
                 }
-                let fixes = propose(&capture, &after, pass, &rules, attempt);
+                let fixes = propose(&capture, &after, pass, &rules, attempt, options.audit.floor);
                 let kept = verdict::apply(&mut capture, &mut after, &known, fixes, &options.audit);
                 done.extend(kept);
             }
@@ -173,7 +176,7 @@ pub fn correct(source: &Capture, options: &CorrectOptions) -> Corrected {
     }
     let changed = changed(source, &capture);
     restore(source, &mut capture, &changed);
-    let slip = slip(&capture, &done);
+    let slip = slip(&capture, &done, options.audit.floor);
     Corrected { capture, changed, before, after, done, slip, speed, notes }
 }
 
@@ -188,12 +191,12 @@ fn restore(source: &Capture, capture: &mut Capture, changed: &BTreeMap<usize, Ve
 }
 
 /// m: the worst of the contacts that were held.
-fn slip(capture: &Capture, done: &[Done]) -> f64 {
+fn slip(capture: &Capture, done: &[Done], floor: Option<f64>) -> f64 {
     let held: Vec<_> = done.iter().flat_map(|done| &done.held).collect();
     if held.is_empty() {
         return 0.0;
     }
-    with_seen(capture, |seen| {
+    with_seen(capture, floor, |seen| {
         let slips = held.iter().filter_map(|(side, start, end)| {
             let contact = &seen.feet.contacts[seen.contact(*side, *start, *end)?];
             Some(slides::slip(seen, contact, *start, *end))
@@ -207,8 +210,15 @@ fn wanted(options: &CorrectOptions, rule: Rule) -> bool {
 }
 
 /// Fixes that do not meet: where two do, the earlier flag's is proposed.
-fn propose(capture: &Capture, findings: &Findings, pass: Pass, rules: &[Rule], attempt: usize) -> Vec<Fix> {
-    with_seen(capture, |seen| {
+fn propose(
+    capture: &Capture,
+    findings: &Findings,
+    pass: Pass,
+    rules: &[Rule],
+    attempt: usize,
+    floor: Option<f64>,
+) -> Vec<Fix> {
+    with_seen(capture, floor, |seen| {
         let mut fixes: Vec<Fix> = match pass {
             Pass::Heights => heights::fixes(seen, findings, rules, attempt),
             Pass::Slides => slides::fixes(seen, findings, rules, attempt),
@@ -217,6 +227,9 @@ fn propose(capture: &Capture, findings: &Findings, pass: Pass, rules: &[Rule], a
             Pass::Balance => balance::fixes(seen, findings, attempt, false),
             Pass::Flights => flight::fixes(seen, findings, attempt),
         };
+        // What would have to go farther is no clip with a fault but another motion; flights and plants have bounds of their own.
+        let most = FARTHEST * capture.body.leg_length;
+        fixes.retain(|fix| fix.moved < most || matches!(pass, Pass::Flights | Pass::Plants));
         fixes.sort_by_key(|fix| fix.piece.start);
         let mut free = 0;
         fixes.retain(|fix| {

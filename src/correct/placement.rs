@@ -21,6 +21,8 @@ const LEFT: [f64; 3] = [0.25, 0.25, 0.0];
 const HASTY: f64 = 0.75;
 /// A swing that is stretched takes no more of the others' time.
 const LONGEST: f64 = 1.25;
+/// Of the leg's length: a plant goes no farther.
+const FARTHEST: f64 = 0.35;
 /// m: a foot that bears may miss its place by reach.
 const MISSED: f64 = 0.004;
 
@@ -72,6 +74,9 @@ fn shift(seen: &Seen, flag: &Flag, step: &Judged, left: f64) -> Option<Fix> {
     let hold = hold(seen, contact);
     let slid = hold.shift.iter().map(|shift| shift.length()).fold(0.0, f64::max);
     let still = slid < 0.02 * seen.track.size();
+    if flat.length() > FARTHEST * capture.body.leg_length {
+        return None;
+    }
     let mut share = 1.0;
     let mut best = None;
     for _ in 0..4 {

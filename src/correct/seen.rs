@@ -2,9 +2,9 @@
 //!
 //! The same stages as `audit::audit`; clip space, SI.
 
-use crate::audit::balance::{Balance, balance};
-use crate::audit::contacts::{Contact, Footfalls, footfalls};
-use crate::audit::domain::{Domain, domain};
+use crate::audit::balance::{Balance, balance, thrown};
+use crate::audit::contacts::{Contact, Footfalls, footfalls_on};
+use crate::audit::domain::{Domain, Reason, domain};
 use crate::audit::placement::{self, Judged};
 use crate::audit::track::{Track, without_pose};
 use crate::model::{Capture, Side};
@@ -22,18 +22,25 @@ pub struct Seen<'a> {
     pub judged: Vec<Judged>,
     /// (frames) the ZMP.
     pub balance: Vec<Option<Balance>>,
+    /// Steps that the clip shows whole where the pendulum applies.
+    pub steps: usize,
 }
 
 /// Looks at a clip of one frame at least.
-pub fn with_seen<T>(capture: &Capture, look: impl FnOnce(&Seen) -> T) -> T {
+pub fn with_seen<T>(capture: &Capture, floor: Option<f64>, look: impl FnOnce(&Seen) -> T) -> T {
     let (held, posed) = without_pose(capture);
     let track = Track::new(held.as_ref().unwrap_or(capture));
-    let feet = footfalls(&track);
+    let feet = footfalls_on(&track, floor);
     let mut domain = domain(&track, &feet);
     domain.begin_after(posed);
     let balance = balance(&track, &feet);
+    for (start, end) in thrown(&track, &balance) {
+        let around = (0.3 * capture.fps) as usize;
+        domain.add(start.saturating_sub(around), (end + around).min(track.len() - 1), Reason::Thrown);
+    }
     let judged = judged(&track, &feet, &domain);
-    look(&Seen { track, feet, domain, judged, balance })
+    let steps = judged.len();
+    look(&Seen { track, feet, domain, judged, balance, steps })
 }
 
 /// The steps that the audit judges.

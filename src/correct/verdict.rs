@@ -13,6 +13,9 @@ const BESIDE: usize = 12;
 /// A repair must take away that share of what was found in its span.
 const CLEANER: f64 = 0.2;
 
+/// Frames that a repair may make the audit abstain from.
+const SILENT: usize = 3;
+
 /// Tries fixes that do not meet; those that stay.
 pub fn apply(
     capture: &mut Capture,
@@ -46,7 +49,9 @@ pub fn apply(
             let zone = (tried.done.start.saturating_sub(BESIDE), tried.done.end + BESIDE);
             let worth = |flags: &[Flag]| cost(&overlapping(flags, zone));
             let raised = strange.iter().any(|flag| overlap((flag.start, flag.end), zone));
-            raised || worth(&found.flags) > (1.0 - CLEANER) * worth(&before)
+            // Silence is no cure: frames that the audit does not judge any more count as they did.
+            let silent = unjudged(&found, zone) > unjudged(after, zone) + SILENT;
+            raised || silent || worth(&found.flags) > (1.0 - CLEANER) * worth(&before)
         };
         let (mut back, kept): (Vec<Tried>, Vec<Tried>) = tried.into_iter().partition(bad);
         tried = kept;
@@ -65,6 +70,13 @@ pub fn apply(
             return Vec::new();
         }
     }
+}
+
+/// Frames of a zone that the audit abstains from.
+fn unjudged(findings: &Findings, zone: (usize, usize)) -> usize {
+    let shared =
+        |span: &crate::model::findings::Abstained| (span.end.min(zone.1) + 1).saturating_sub(span.start.max(zone.0));
+    findings.abstained.iter().map(shared).sum()
 }
 
 /// What flags weigh together: each how many times it is beyond its limit.
