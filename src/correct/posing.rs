@@ -241,3 +241,92 @@ fn sinking(capture: &Capture, start: usize, goals: &[Goal]) -> Vec<f64> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::fixture;
+
+    /// Some frames of a body that stands with bent knees.
+    fn standing() -> Capture {
+        let body = fixture::body();
+        let count = body.joints.len();
+        let mut capture = Capture {
+            name: "stand".into(),
+            fps: 30.0,
+            positions: (0..40).flat_map(|_| body.joints.iter().map(|joint| joint.rest)).collect(),
+            turns: vec![DQuat::IDENTITY; 40 * count],
+            body,
+            units_to_metres: 1.0,
+            up: "+Y".into(),
+            confidence: 1.0,
+            method: String::new(),
+            notes: Vec::new(),
+            pushes: Vec::new(),
+        };
+        let goals: Vec<Goal> = (0..40)
+            .map(|frame| {
+                let mut goal = as_it_is(&capture, frame, [false; 2]);
+                goal.body = DVec3::NEG_Y * 0.05;
+                goal
+            })
+            .collect();
+        pose(&capture, 0, &goals).0.swap(&mut capture);
+        capture
+    }
+
+    #[test]
+    fn what_is_where_it_shall_be_stays_to_the_bit() {
+        let capture = standing();
+        let goals: Vec<Goal> = (5..20).map(|frame| as_it_is(&capture, frame, [true; 2])).collect();
+        let (piece, missed) = pose(&capture, 5, &goals);
+        assert_eq!(missed, 0.0);
+        assert!(piece == Piece::cut(&capture, 5, 19));
+    }
+
+    #[test]
+    fn a_moved_pelvis_leaves_the_feet_and_the_lengths() {
+        let capture = standing();
+        let goals: Vec<Goal> = (5..=20)
+            .map(|frame| {
+                let mut goal = as_it_is(&capture, frame, [true; 2]);
+                goal.body = DVec3::X * 0.15;
+                goal
+            })
+            .collect();
+        let (piece, missed) = pose(&capture, 5, &goals);
+        assert!(missed < 1e-9, "{missed}");
+        let mut posed = capture.clone();
+        piece.swap(&mut posed);
+        for side in Side::BOTH {
+            let [hip, knee, ankle] = leg(&capture.body, side);
+            let (was, is) = (capture.at(12), posed.at(12));
+            assert!(was[ankle].distance(is[ankle]) < 1e-9);
+            assert!((is[hip].x - was[hip].x - 0.15).abs() < 1e-12);
+            for (a, b) in [(hip, knee), (knee, ankle)] {
+                assert!((was[a].distance(was[b]) - is[a].distance(is[b])).abs() < 1e-9, "a bone's length");
+            }
+            assert!(posed.turns_at(12)[ankle] == capture.turns_at(12)[ankle], "the foot keeps its turn");
+        }
+    }
+
+    #[test]
+    fn the_pelvis_sinks_where_a_foot_that_bears_is_out_of_reach() {
+        let capture = standing();
+        let goals: Vec<Goal> = (0..40)
+            .map(|frame| {
+                let mut goal = as_it_is(&capture, frame, [true; 2]);
+                if (15..25).contains(&frame) {
+                    goal.feet[0].ankle.x += 0.42;
+                }
+                goal
+            })
+            .collect();
+        let (piece, missed) = pose(&capture, 0, &goals);
+        assert!(missed < 1e-9, "missed by {missed}");
+        let mut posed = capture.clone();
+        piece.swap(&mut posed);
+        assert!(posed.at(20)[0].y < capture.at(20)[0].y - 0.005, "it sinks");
+        assert!(posed.at(0)[0] == capture.at(0)[0], "but not far from there");
+    }
+}

@@ -6,7 +6,7 @@ use super::posing::Piece;
 use super::{Done, Fix};
 use crate::audit::{AuditOptions, audit};
 use crate::model::Capture;
-use crate::model::findings::{Findings, Flag};
+use crate::model::findings::{Findings, Flag, Rule};
 
 /// Frames beside a repair in which it answers for what the audit finds.
 const BESIDE: usize = 12;
@@ -15,6 +15,9 @@ const CLEANER: f64 = 0.2;
 
 /// Frames that a repair may make the audit abstain from.
 const SILENT: usize = 3;
+
+/// How much more another rule's flags may weigh after a repair.
+const PAID: f64 = 0.3;
 
 /// Tries fixes that do not meet; those that stay.
 pub fn apply(
@@ -51,7 +54,14 @@ pub fn apply(
             let raised = strange.iter().any(|flag| overlap((flag.start, flag.end), zone));
             // Silence is no cure: frames that the audit does not judge any more count as they did.
             let silent = unjudged(&found, zone) > unjudged(after, zone) + SILENT;
-            raised || silent || worth(&found.flags) > (1.0 - CLEANER) * worth(&before)
+            // No rule may pay for another.
+            let worse = Rule::ALL.into_iter().filter(|rule| *rule != tried.done.rule).any(|rule| {
+                let of = |flags: &[Flag]| -> f64 {
+                    cost(&overlapping(flags, zone).into_iter().filter(|flag| flag.rule == rule).collect::<Vec<_>>())
+                };
+                of(&found.flags) > of(&before) + PAID
+            });
+            raised || silent || worse || worth(&found.flags) > (1.0 - CLEANER) * worth(&before)
         };
         let (mut back, kept): (Vec<Tried>, Vec<Tried>) = tried.into_iter().partition(bad);
         tried = kept;
@@ -95,4 +105,26 @@ fn overlapping(flags: &[Flag], zone: (usize, usize)) -> Vec<Flag> {
 
 fn overlap(a: (usize, usize), b: (usize, usize)) -> bool {
     a.0 <= b.1 && b.0 <= a.1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn flag(start: usize, end: usize, severity: f64) -> Flag {
+        let (measured, predicted, delta_m, why) = (0.0, 0.0, 0.0, String::new());
+        Flag { start, end, rule: Rule::Balance, foot: None, severity, measured, predicted, delta_m, why }
+    }
+
+    #[test]
+    fn flags_weigh_by_how_far_they_are_beyond_their_limit() {
+        assert!((cost(&[flag(0, 1, 0.5)]) - 1.0).abs() < 1e-12, "at the limit");
+        assert!((cost(&[flag(0, 1, 0.75), flag(4, 5, 0.5)]) - 3.0).abs() < 1e-12, "twice the limit, and another");
+        assert!(cost(&[flag(0, 1, 1.0)]) <= 10.0, "bounded");
+    }
+
+    #[test]
+    fn spans_overlap_where_they_share_a_frame() {
+        assert!(overlap((3, 5), (5, 9)) && overlap((5, 9), (3, 5)) && !overlap((3, 5), (6, 9)));
+    }
 }
