@@ -28,6 +28,8 @@ const CARRIED: f64 = 0.85;
 const CARRY: f64 = 0.06;
 /// m: a pelvis that is lower than beside the span by more comes up.
 const SUNK: f64 = 0.015;
+/// s: a body stands aside no longer, from where the ZMP shows it.
+const LASTS: f64 = 1.1;
 /// Share of the clip that a fault of the body may last.
 const MOST: f64 = 0.7;
 /// A pelvis whose path loses more than the rest of its unsteadiness was off itself.
@@ -45,8 +47,10 @@ pub fn fixes(seen: &Seen, findings: &Findings, attempt: usize, odd: bool) -> Vec
 fn fix(seen: &Seen, group: &[Flag], attempt: usize, odd: bool) -> Option<Fix> {
     let first = group.first()?;
     let edge = seen.frames_in(EDGE * if attempt == 2 { 2.0 } else { 1.0 });
-    let start = first.start.saturating_sub(edge);
-    let end = (group.iter().map(|flag| flag.end).max()? + edge).min(seen.track.len() - 1);
+    let (from, to) = (first.start, group.iter().map(|flag| flag.end).max()?);
+    let (from, to) = if odd { abrupt(seen, from, to) } else { (from, to) };
+    let start = from.saturating_sub(edge);
+    let end = (to + edge).min(seen.track.len() - 1);
     // What lasts for most of the clip has no surroundings to come back to.
     let whole =
         end - start + 1 >= (MOST * seen.track.len() as f64) as usize || (start == 0 && end + 1 == seen.track.len());
@@ -71,6 +75,23 @@ fn fix(seen: &Seen, group: &[Flag], attempt: usize, odd: bool) -> Option<Fix> {
     let moved = goals.iter().map(|goal| goal.body.length()).fold(0.0, f64::max);
     let what = format!("pelvis and trunk moved by up to {:.1} cm, the feet held", 100.0 * moved);
     Some(Fix { piece, flag: first.clone(), moved, what, held: Vec::new() })
+}
+
+/// A span widened to where else, near it, the pelvis starts or stops as it does nowhere in the clip: a body that stands aside shows in the
+/// ZMP as it goes there or as it comes back, and not always in both.
+fn abrupt(seen: &Seen, from: usize, to: usize) -> (usize, usize) {
+    let near = seen.frames_in(LASTS);
+    let bend = |frame: usize| {
+        let place = |frame: usize| seen.at(frame, 0) * DVec3::new(1.0, 0.0, 1.0);
+        (place(frame - 1) - place(frame) * 2.0 + place(frame + 1)).length()
+    };
+    let frames = 1..seen.track.len() - 1;
+    let mut usual: Vec<f64> = frames.clone().filter(|frame| seen.domain.walks(*frame)).map(bend).collect();
+    usual.sort_by(f64::total_cmp);
+    let limit = ABRUPT * usual.get(usual.len() / 2).copied().unwrap_or(f64::MAX);
+    let odd = |frame: &usize| *frame + near >= from && *frame <= to + near && bend(*frame) > limit;
+    let found: Vec<usize> = frames.filter(odd).collect();
+    (found.first().map_or(from, |first| from.min(*first)), found.last().map_or(to, |last| to.max(*last)))
 }
 
 /// Whether the pelvis starts and stops there as nowhere else in the clip, and the shift takes most of that out of its path.

@@ -17,7 +17,7 @@ const CLEANER: f64 = 0.2;
 const SILENT: usize = 3;
 
 /// How much more another rule's flags may weigh after a repair.
-const PAID: f64 = 0.3;
+const PAID: f64 = 0.8;
 
 /// Tries fixes that do not meet; those that stay.
 pub fn apply(
