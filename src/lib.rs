@@ -9,7 +9,7 @@
 //! | 2 | [`rig`], [`measure`] | glTF/VRM to [`rig::Rig`]; what is true of a motion: slip, ZMP, residual, pops |
 //! | 3 | [`mocap`], [`stepper`], [`whole_body`], [`ragdoll`] | BVH, FBX, glTF, VRMA to captures; the low-dimensional controller; the pose that has its centre of mass and its feet; the articulated body |
 //! | 4 | [`sim`], [`audit`] | the fixed-step session that runs the stepper under a scenario and leaves a trace; captures to findings |
-//! | 5 | [`bake`] | trace to clip: foot curves, reach envelope, ZMP filter, root motion, key reduction |
+//! | 5 | [`bake`], [`correct`] | trace to clip: foot curves, reach envelope, ZMP filter, root motion, key reduction; findings to a corrected clip |
 //! | 6 | [`export`], [`picture`] | bytes of GLB and events; contact sheets, plots, pages of audits |
 //! | 8 | [`cli`] | the command line; the files on disk |
 //!
@@ -37,6 +37,7 @@
 pub mod audit;
 pub mod bake;
 pub mod cli;
+pub mod correct;
 pub mod export;
 pub mod maths;
 pub mod measure;

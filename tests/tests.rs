@@ -9,8 +9,11 @@ mod articulated;
 mod audit;
 /// `surefoot audit` at the shell: text, JSON, table, page, waivers, many files.
 mod audit_cli;
+/// Faults planted into captures; the benches use it too.
 mod audit_faults;
+/// The audit against measured forces.
 mod audit_forces;
+/// Faults by kind and clip, for the test and the bench.
 mod audit_grid;
 /// Height, masses and soles of real rigs and of the built-in one.
 mod bodies;
@@ -19,6 +22,8 @@ mod cli;
 /// Stands and walks on ground that is not level: what the feet hold, and props.
 mod clip_ground;
 mod common;
+/// Corrections: planted faults that go, frames and files that stay.
+mod correct;
 /// Baked files: the source kept whole, read again, by the Khronos validator, three.js.
 mod export;
 /// The same for rigs that nobody here made: slip, keys, the Khronos validator.

@@ -17,7 +17,7 @@ pub mod track;
 mod verdict;
 
 pub use domain::Domain;
-pub use verdict::foot_name;
+pub use verdict::{foot_name, part};
 
 use crate::model::findings::{Findings, Flag, Rule};
 use crate::model::{Capture, Side};

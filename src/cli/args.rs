@@ -1,5 +1,6 @@
 //! The arguments as text: what they are called, their forms and ranges. Opens nothing.
 
+use crate::model::findings::Rule;
 use clap::{ArgGroup, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -23,8 +24,8 @@ pub enum Command {
     Bake(BakeArgs),
     /// Find the frames of captured or keyed clips that no balanced person could have produced
     Audit(AuditArgs),
-    /// (not in this version yet) Move the feet of a clip to where its balance needs them
-    Correct(LaterArgs),
+    /// Repair what an audit flags: hold feet, move plants, bring the body back over them; beside the original
+    Correct(CorrectArgs),
     /// (not in this version yet) Bake every variation of a sweep
     Batch(LaterArgs),
     /// Say what was found in a rig: bones, sizes, masses, feet
@@ -268,6 +269,46 @@ fn svg_path(text: &str) -> Result<PathBuf, String> {
     with_ending(text, &["svg"], "the plot is an SVG file: let its name end in .svg")
 }
 
+/// `surefoot correct`.
+#[derive(Debug, clap::Args)]
+pub struct CorrectArgs {
+    /// A .bvh, .fbx, .glb, .gltf, .vrm or .vrma file
+    #[arg(value_name = "CLIP")]
+    pub clip_file: PathBuf,
+    /// The corrected file: of the same kind; an FBX or a .gltf becomes a .glb
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// Only the clip of that name; every clip of the file where left out
+    #[arg(long, value_name = "NAME")]
+    pub clip: Option<String>,
+    /// Write what was found before and after, and what was changed, as JSON; - is stdout
+    #[arg(long, value_name = "FILE|-")]
+    pub json: Option<PathBuf>,
+    /// Repair only what these rules flag: foot-placement, balance, foot-slide, penetration, float, ballistic, timing, drift
+    #[arg(long, value_name = "RULE,..", value_delimiter = ',', value_parser = rule)]
+    pub rules: Vec<Rule>,
+    /// Give a clip that plays too slow or too fast another frame rate
+    #[arg(long)]
+    pub retime: bool,
+    /// Frames per second, where the file is wrong about it
+    #[arg(long, value_name = "N", value_parser = |text: &str| number(text, 1.0, 2000.0, "frames per second"))]
+    pub fps: Option<f64>,
+    /// The file's up axis, where it was not found: X, Y or Z, with a sign if you like
+    #[arg(long, value_name = "AXIS", value_parser = axis, allow_hyphen_values = true)]
+    pub up: Option<String>,
+    /// Metres a unit of the file, where it was not found: 0.01 for centimetres
+    #[arg(long, value_name = "METRES", value_parser = |text: &str| number(text, 1e-6, 1e3, "metres a unit"))]
+    pub unit: Option<f64>,
+    /// Height of the floor over the file's zero in metres, where the feet mislead
+    #[arg(long, value_name = "M", value_parser = |text: &str| number(text, -1e4, 1e4, "m"), allow_hyphen_values = true)]
+    pub floor: Option<f64>,
+}
+
+fn rule(text: &str) -> Result<Rule, String> {
+    let names = || Rule::ALL.map(Rule::name).join(", ");
+    Rule::ALL.into_iter().find(|rule| rule.name() == text).ok_or_else(|| format!("give one of {}", names()))
+}
+
 fn csv_path(text: &str) -> Result<PathBuf, String> {
     with_ending(text, &["csv"], "the table is a CSV file: let its name end in .csv")
 }
@@ -343,7 +384,7 @@ mod tests {
 
     #[test]
     fn what_is_to_come_takes_any_arguments() {
-        assert!(matches!(parsed("surefoot correct a.glb --json - --strict"), Ok(Command::Correct(_))));
+        assert!(matches!(parsed("surefoot batch a.toml --json - --strict"), Ok(Command::Batch(_))));
     }
 
     #[test]

@@ -10,6 +10,7 @@ pub mod audit_table;
 pub mod audit_text;
 pub mod bake;
 pub mod clip_files;
+pub mod correct;
 pub mod exit_code;
 pub mod glob;
 pub mod inspect;
@@ -58,7 +59,7 @@ fn dispatch(command: Command) -> Result<Exit, Failure> {
         Command::New(args) => new::run(&args),
         Command::Sheet(args) => sheet::run(&args),
         Command::Audit(args) => audit::run(&args),
-        Command::Correct(_) => Err(not_yet("correct")),
+        Command::Correct(args) => correct::run(&args),
         Command::Batch(_) => Err(not_yet("batch")),
         Command::Studio(_) => Err(not_yet("studio")),
     }
@@ -66,7 +67,7 @@ fn dispatch(command: Command) -> Result<Exit, Failure> {
 
 fn not_yet(command: &str) -> Failure {
     Failure::bad_input(format!(
-        "`surefoot {command}` is not in this version yet\n  help: this version has audit, bake, inspect, new and sheet"
+        "`surefoot {command}` is not in this version yet\n  help: this version has audit, bake, correct, inspect, new and sheet"
     ))
 }
 

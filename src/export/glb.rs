@@ -97,7 +97,7 @@ pub(super) fn list<'a>(root: &'a mut Map<String, Value>, name: &str) -> &'a mut 
 }
 
 /// Header, JSON chunk padded with spaces, BIN chunk padded with zeros.
-fn container(json: &Value, mut bin: Vec<u8>) -> Result<Vec<u8>, ExportError> {
+pub(super) fn container(json: &Value, mut bin: Vec<u8>) -> Result<Vec<u8>, ExportError> {
     let mut text = serde_json::to_vec(json).map_err(|error| ExportError::Json { reason: error.to_string() })?;
     text.resize(text.len().next_multiple_of(4), b' ');
     bin.resize(bin.len().next_multiple_of(4), 0);

@@ -1,10 +1,12 @@
 //! Clips as bytes: the source document with animations appended, events beside it. No file is touched here.
 
+pub mod amend;
 mod buffers;
 pub mod events;
 pub mod glb;
 mod props;
 
+pub use amend::{Amended, amend};
 pub use events::events_json;
 pub use glb::{ExportedGlb, glb, glb_with_props};
 

@@ -58,6 +58,11 @@ impl Gltf {
         names_in(&self.document).into_iter().enumerate().map(named).collect()
     }
 
+    /// The document's nodes.
+    pub fn nodes(&self) -> &[RigNode] {
+        &self.nodes
+    }
+
     /// Reads one clip.
     pub fn read(&self, file: &str, index: usize, said: &Said, options: &Options) -> Result<Reading, MocapError> {
         let tracks = read_tracks(&self.document, self.nodes.len(), index)

@@ -157,6 +157,11 @@ impl ClipFile {
         Some(fbx_glb::write(fbx, &self.file, &said, options))
     }
 
+    /// The document's nodes, if it is a glTF.
+    pub fn nodes(&self) -> Option<&[crate::rig::RigNode]> {
+        if let Source::Gltf(gltf) = &self.source { Some(gltf.nodes()) } else { None }
+    }
+
     /// The glTF document, if it is one.
     pub fn document(&self) -> Option<&Document> {
         if let Source::Gltf(gltf) = &self.source { Some(&gltf.document) } else { None }

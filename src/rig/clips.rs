@@ -45,6 +45,17 @@ pub struct Track {
     values: Vec<f32>, // a value a key; of a spline in-tangent, value and out-tangent
 }
 
+/// A track's keys as the file has them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RawKeys {
+    /// s.
+    pub times: Vec<f32>,
+    /// A value a key; of a spline in-tangent, value and out-tangent.
+    pub numbers: Vec<Vec<f32>>,
+    /// How they join.
+    pub join: Join,
+}
+
 /// What moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "plain")]
@@ -222,6 +233,13 @@ impl Track {
             _ if share > 0.0 => self.value(from).lerp(self.value(to), share).truncate(),
             _ => self.value(from).truncate(),
         }
+    }
+
+    /// The keys as the file has them.
+    pub fn keys(&self) -> RawKeys {
+        let width = self.property.width() * if self.join == Join::Cubic { 3 } else { 1 };
+        let numbers = self.values.chunks_exact(width).map(<[f32]>::to_vec).collect();
+        RawKeys { times: self.times.clone(), numbers, join: self.join }
     }
 
     /// The keys around a time and how far between them it is.
