@@ -12,8 +12,12 @@ use glam::DVec2;
 
 /// m at a leg of 0.83 m: a slide that is told.
 const SLIDE: f64 = 0.08;
-/// s: within that time. A foot that stands for long shifts and turns now and then.
+/// s: within that time.
 const WITHIN: f64 = 0.7;
+/// s at a leg of 0.83 m: a foot that bears longer stands, and who stands shifts and turns his feet now and then: that many times as far.
+const STANDS: f64 = 1.2;
+/// See [`STANDS`].
+const SHIFTED: f64 = 1.6;
 /// m: a sole that far under or over its floor is told.
 const DEPTH: f64 = 0.035;
 /// m a m by which heel and tip differ in height, beyond what a level foot's do: how uncertain a sole's lowest point is.
@@ -55,7 +59,8 @@ fn slides(track: &Track, feet: &Footfalls) -> Vec<Mark> {
     for contact in &feet.contacts {
         let way = slid(track, contact);
         let far = farthest(&way, (WITHIN * track.capture.fps).round() as usize);
-        let limit = SLIDE * track.size().max(0.75);
+        let seconds = (contact.end - contact.start) as f64 / track.capture.fps / track.tempo();
+        let limit = SLIDE * track.size().max(0.75) * if seconds > STANDS { SHIFTED } else { 1.0 };
         if far > limit {
             let other = other_slides(track, feet, contact, &way);
             let rule = if other { Rule::Drift } else { Rule::FootSlide };
