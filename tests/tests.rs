@@ -5,10 +5,16 @@
 mod architecture;
 /// The articulated body: standing, shoved, helped, repeated.
 mod articulated;
+/// The audit on baked and captured clips, with faults planted and without.
+mod audit;
 /// `surefoot audit` at the shell: text, JSON, table, page, waivers, many files.
 mod audit_cli;
 /// Faults planted into captures; the benches use it too.
 mod audit_faults;
+/// The audit against measured forces.
+mod audit_forces;
+/// Faults by kind and clip, for the test and the bench.
+mod audit_grid;
 /// Height, masses and soles of real rigs and of the built-in one.
 mod bodies;
 /// The program at the shell: exit codes, words, files.

@@ -7,6 +7,7 @@ use super::contacts::Footfalls;
 use super::track::Track;
 use super::{Domain, Mark};
 use crate::maths::hull::{convex_hull, signed_distance};
+use crate::maths::pendulum;
 use crate::measure::dynamics::dynamics;
 use crate::measure::{GRAVITY, KnownPush, Motion, PushPoint};
 use crate::model::findings::Rule;
@@ -17,6 +18,10 @@ use std::ops::Range;
 /// m at a leg of 0.83 m and s: out of the support by more for so long is told. People who swing their arms are 0.3 m out for a frame
 /// or two of 30 Hz, and never 0.12 m for longer.
 const OUT: [(f64, f64); 2] = [(0.45, 0.06), (0.17, 0.12)];
+/// m and s: ξ out of the support by more for longer asks for a step,
+const LOST: (f64, f64) = (0.06, 0.25);
+/// s: which comes within that time in people, if it comes.
+const ANSWER: f64 = 0.9;
 /// Frames of a long clip that are differentiated at once.
 const PIECE: usize = 4096;
 /// s: of frames before and after.
@@ -146,6 +151,43 @@ pub fn marks(track: &Track, balance: &[Option<Balance>], domain: &Domain) -> Vec
         .collect()
 }
 
+/// Every mark of a stand that is lost: ξ leaves the support for good (the third of the three regions: ankles, hips, step) and no step
+/// comes for it.
+pub fn unanswered(track: &Track, feet: &Footfalls, domain: &Domain) -> Vec<Mark> {
+    let hz = track.capture.fps;
+    let size = track.size();
+    let ahead = (ANSWER * track.tempo() * hz).round() as usize;
+    let lasts = (LOST.1 * track.tempo() * hz).round().max(2.0) as usize;
+    let out = |frame: usize| {
+        let answered = feet.contacts.iter().any(|contact| (frame + 1..=frame + ahead).contains(&contact.start));
+        if frame + ahead >= track.len() || answered || !domain.walks(frame) {
+            return f64::MIN;
+        }
+        let Some(support) = support(track, feet, frame, 0) else { return f64::MIN };
+        let velocity = DVec2::new(track.velocity[frame].x, track.velocity[frame].z);
+        let omega = track.omega(frame, feet.floor_at(frame, track.below(frame)));
+        signed_distance(&support, pendulum::extrapolated(track.below(frame), velocity, omega))
+    };
+    let lost = super::spans(track.len(), |frame| out(frame) > LOST.0 * size);
+    lost.into_iter()
+        .filter(|(start, end)| end - start + 1 >= lasts)
+        .map(|(start, end)| {
+            let most = (start..=end).map(out).fold(0.0, f64::max);
+            Mark {
+                start,
+                end,
+                rule: Rule::Balance,
+                side: None,
+                measured: most,
+                predicted: 0.0,
+                delta: most,
+                limit: LOST.0 * size,
+                why: format!("the body is falling {:.0} cm beyond its feet, and no step comes", 100.0 * most),
+            }
+        })
+        .collect()
+}
+
 /// m, (x, z): the hull of the soles that bear.
 pub fn support(track: &Track, feet: &Footfalls, frame: usize, edge: usize) -> Option<Vec<DVec2>> {
     let mut points: Vec<DVec2> = Vec::new();
@@ -163,4 +205,87 @@ pub fn support(track: &Track, feet: &Footfalls, frame: usize, edge: usize) -> Op
         }
     }
     (!points.is_empty()).then(|| convex_hull(&points))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::audit::contacts::footfalls;
+    use crate::audit::domain::domain;
+    use crate::audit::fixture::{Gait, shift_all, shift_foot, stand, walk};
+    use crate::model::Capture;
+    use glam::DVec3;
+
+    type Found = (Vec<Option<Balance>>, Vec<Mark>, Vec<(usize, usize)>);
+
+    fn found(capture: &Capture) -> Found {
+        let track = Track::new(capture);
+        let feet = footfalls(&track);
+        let balance = balance(&track, &feet);
+        let marks = marks(&track, &balance, &domain(&track, &feet));
+        let thrown = thrown(&track, &balance);
+        (balance, marks, thrown)
+    }
+
+    /// The pelvis and all above it aside from `start` to `end`, eased over 0.2 s; the feet stay.
+    fn pushed_aside(capture: &Capture, (start, end): (usize, usize), aside: DVec3) -> Capture {
+        let mut made = capture.clone();
+        let ramp = 0.2 * capture.fps;
+        for frame in start..=end {
+            let near = (frame - start).min(end - frame) as f64;
+            let u = (near / ramp).min(1.0);
+            let shift = aside * (u * u * (3.0 - 2.0 * u));
+            shift_all(&mut made, frame, shift);
+            Side::BOTH.into_iter().for_each(|side| shift_foot(&mut made, frame, side, -shift));
+        }
+        made
+    }
+
+    #[test]
+    fn who_stands_or_walks_as_a_pendulum_is_in_balance() {
+        for capture in [stand(3.0), walk(Gait::default())] {
+            let (balance, marks, thrown) = found(&capture);
+            assert!(marks.is_empty() && thrown.is_empty(), "{marks:?}");
+            let inner = balance.iter().skip(10).take(capture.frames() - 20).flatten();
+            let most = inner.map(|balance| balance.out).fold(f64::MIN, f64::max);
+            assert!(most < 0.06, "{most}");
+        }
+        let still = found(&stand(3.0)).0;
+        assert!(still.iter().flatten().all(|balance| balance.out < 0.0));
+    }
+
+    #[test]
+    fn a_pelvis_aside_is_told_in_its_frames_and_a_little_of_it_is_not() {
+        let clean = stand(4.0);
+        for (metres, told) in [(0.25, true), (0.02, false)] {
+            for aside in [DVec3::X, DVec3::NEG_X, DVec3::Z, DVec3::NEG_Z] {
+                let (_, marks, _) = found(&pushed_aside(&clean, (90, 150), aside * metres));
+                assert_eq!(!marks.is_empty(), told, "{metres} m along {aside}: {marks:?}");
+                for mark in &marks {
+                    assert!(mark.start >= 80 && mark.end <= 160, "{mark:?}");
+                    assert!(mark.side.is_none() && mark.delta > 0.05, "{mark:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_window_of_a_clip_has_the_balance_that_the_whole_clip_has() {
+        let capture = walk(Gait::default());
+        let track = Track::new(&capture);
+        let feet = footfalls(&track);
+        let whole = balance(&track, &feet);
+        let part = piece(&track, &feet, 90..260, 150..200);
+        for (one, two) in whole[150..200].iter().zip(&part) {
+            let (one, two) = (one.expect("it bears"), two.expect("it bears"));
+            assert!(one.zmp.distance(two.zmp) < 1e-6 && (one.out - two.out).abs() < 1e-6, "{one:?} {two:?}");
+        }
+    }
+
+    #[test]
+    fn a_body_that_is_metres_aside_is_thrown() {
+        let (_, _, thrown) = found(&pushed_aside(&stand(4.0), (90, 150), DVec3::X * 1.3));
+        assert_eq!(thrown.len(), 1, "{thrown:?}");
+        assert!(thrown[0].0 >= 85 && thrown[0].1 <= 155, "{thrown:?}");
+    }
 }

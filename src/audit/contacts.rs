@@ -5,6 +5,7 @@
 //! (a low percentile would follow a sunken foot). Stairs and rough ground have a floor a contact.
 
 use super::track::{FootTrack, Track};
+use crate::measure::GRAVITY;
 use crate::model::Side;
 use glam::{DMat3, DVec2, DVec3};
 
@@ -32,6 +33,8 @@ const STAYED: f64 = 0.1;
 const SHORT_GAP: f64 = 0.2;
 /// s: a foot that is still higher than [`REACH`] must be so for that long: at the top of a jump feet are still for 0.1 s.
 const HIGH: f64 = 0.16;
+/// m, and of gravity: feet that are over the floor by more while the body falls faster, on an average, are at the top of a flight.
+const FLIES: (f64, f64) = (0.03, 0.25);
 /// m: heights of contacts that differ by more stand on different floors.
 const SAME_FLOOR: f64 = 0.035;
 
@@ -227,7 +230,10 @@ fn contacts_of(track: &Track, side: Side, floor: f64) -> Vec<Contact> {
     let high = (HIGH * track.capture.fps * track.tempo()).ceil() as usize;
     spans.retain(|(start, end)| {
         let lowest = foot.low[*start..=*end].iter().copied().fold(f64::MAX, f64::min);
-        lowest - floor < reach || end - start + 1 >= high
+        let over = lowest - floor;
+        let fall: f64 = track.acceleration[*start..=*end].iter().map(|acceleration| -acceleration.y).sum();
+        let flies = over > FLIES.0 * track.size() && fall > FLIES.1 * GRAVITY * (end - start + 1) as f64;
+        !flies && (over < reach || end - start + 1 >= high)
     });
     let least = |seconds: f64| (seconds * track.capture.fps * track.tempo()).round() as usize;
     let mut merged: Vec<(usize, usize)> = Vec::new();
@@ -323,4 +329,101 @@ fn uneven(contacts: &[Contact], ground: &Ground, size: f64) -> bool {
     let off =
         |contact: &&Contact| (contact.height - ground.under(contact.side, contact.place)).abs() > SAME_FLOOR * size;
     contacts.len() >= 4 && contacts.iter().filter(off).count() * 3 > contacts.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::audit::fixture::{Gait, shift_all, shift_foot, stand, walk};
+
+    /// Frames: (side, first, last) of every whole stance of a gait.
+    fn stances(gait: &Gait) -> Vec<(Side, usize, usize)> {
+        let steps = (gait.seconds / gait.step_secs) as usize;
+        let frame = |step: usize| (step as f64 * gait.step_secs * gait.fps).round() as usize;
+        (1..steps - 1).map(|step| (gait.foothold(step + 1).0, frame(step), frame(step + 1))).collect()
+    }
+
+    #[test]
+    fn every_stance_of_a_walk_is_one_contact_to_some_frames_and_to_the_centimetre() {
+        for fps in [30.0, 60.0, 120.0] {
+            let gait = Gait { fps, ..Gait::default() };
+            let capture = walk(gait);
+            let feet = footfalls(&Track::new(&capture));
+            let near = (0.07 * fps) as usize + 1;
+            for (step, (side, start, end)) in stances(&gait).into_iter().enumerate() {
+                let found: Vec<&Contact> = feet
+                    .contacts
+                    .iter()
+                    .filter(|contact| contact.side == side && contact.start < end && contact.end > start)
+                    .collect();
+                assert_eq!(found.len(), 1, "{fps} fps, step {step}: {found:?}");
+                assert!(found[0].start.abs_diff(start) <= near && found[0].end.abs_diff(end) <= near, "{found:?}");
+                let place = gait.foothold(step + 2).1;
+                assert!(found[0].place.distance(DVec2::new(place.x, place.z)) < 0.01, "{found:?} {place}");
+            }
+            assert!(!feet.ground.uneven);
+        }
+    }
+
+    #[test]
+    fn a_floor_that_is_not_at_zero_and_tilts_is_found() {
+        let slope = DVec2::new(0.0, 0.015);
+        let gait = Gait { floor: 0.8, slope, ..Gait::default() };
+        let capture = walk(gait);
+        let ground = footfalls(&Track::new(&capture)).ground;
+        assert!((ground.slope - slope).length() < 0.006, "{ground:?}");
+        for z in [0.0, 3.0, 6.0] {
+            let under = ground.under(Side::Left, DVec2::new(0.0, z));
+            assert!((under - 0.8 - 0.015 * z).abs() < 0.015, "{under} at {z}");
+        }
+        assert!(!ground.uneven);
+    }
+
+    #[test]
+    fn stairs_have_a_floor_a_contact() {
+        let gait = Gait { rise: 0.15, ..Gait::default() };
+        let capture = walk(gait);
+        let feet = footfalls(&Track::new(&capture));
+        assert!(feet.ground.uneven);
+        let heights: Vec<f64> = feet.contacts.iter().map(|contact| contact.height).collect();
+        assert!(heights.len() >= 9, "{heights:?}");
+        for (from, to) in feet.contacts.iter().zip(&feet.contacts[1..]) {
+            assert!((to.height - from.height - 0.15).abs() < 0.02, "{heights:?}");
+        }
+    }
+
+    #[test]
+    fn a_sunk_span_does_not_take_the_floor_along() {
+        let mut capture = walk(Gait::default());
+        for frame in 100..190 {
+            shift_all(&mut capture, frame, DVec3::Y * -0.06);
+        }
+        let ground = footfalls(&Track::new(&capture)).ground;
+        assert!(ground.floor.iter().all(|floor| floor.abs() < 0.01), "{ground:?}");
+    }
+
+    #[test]
+    fn feet_that_stand_are_one_contact_each_and_take_no_step() {
+        let capture = stand(3.0);
+        let feet = footfalls(&Track::new(&capture));
+        assert_eq!(feet.contacts.len(), 2);
+        assert!(feet.contacts.iter().all(|contact| contact.cut == (true, true)));
+        assert!(feet.steps.is_empty() && (0..capture.frames()).all(|frame| feet.bearing(frame) == 2));
+    }
+
+    #[test]
+    fn markers_that_shake_by_two_millimetres_break_no_contact() {
+        let gait = Gait::default();
+        let steady = walk(gait);
+        let mut shaken = steady.clone();
+        let mut seed = crate::maths::seed::Seed::new(5);
+        for frame in 0..shaken.frames() {
+            for side in Side::BOTH {
+                let noise = DVec3::new(seed.between(-1.0, 1.0), seed.between(-1.0, 1.0), seed.between(-1.0, 1.0));
+                shift_foot(&mut shaken, frame, side, noise * 0.002);
+            }
+        }
+        let count = |capture: &crate::model::Capture| footfalls(&Track::new(capture)).contacts.len();
+        assert_eq!(count(&shaken), count(&steady));
+    }
 }

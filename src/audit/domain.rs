@@ -249,3 +249,65 @@ fn in_place(track: &Track) -> bool {
         .collect();
     slow && super::placement::median(&speeds) > TREADMILL.0 * track.tempo()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::audit::contacts::footfalls;
+    use crate::audit::fixture::{Gait, jump, seat, shift_all, stand, walk};
+    use crate::model::Capture;
+    use glam::DVec3;
+
+    fn found(capture: &Capture) -> Domain {
+        let track = Track::new(capture);
+        let feet = footfalls(&track);
+        domain(&track, &feet)
+    }
+
+    #[test]
+    fn walking_and_standing_are_judged_all_through() {
+        for capture in [stand(3.0), walk(Gait::default()), walk(Gait { floor: 0.8, ..Gait::default() })] {
+            let domain = found(&capture);
+            assert_eq!(domain.share(), 1.0, "{:?}", domain.abstained());
+            assert!(domain.abstained().is_empty());
+        }
+    }
+
+    #[test]
+    fn a_seat_is_passed_over() {
+        let domain = found(&seat(3.0));
+        assert_eq!(domain.share(), 0.0);
+        assert!(domain.reasons.iter().all(|reason| *reason == Some(Reason::Low)));
+        assert!(domain.abstained()[0].why.contains("sits"));
+    }
+
+    #[test]
+    fn a_walk_in_place_is_passed_over_and_says_what_to_do() {
+        let gait = Gait::default();
+        let mut capture = walk(gait);
+        for frame in 0..capture.frames() {
+            shift_all(&mut capture, frame, -DVec3::Z * gait.speed * frame as f64 / gait.fps);
+        }
+        let domain = found(&capture);
+        assert!(domain.reasons.iter().all(|reason| *reason == Some(Reason::InPlace)));
+        assert!(domain.abstained()[0].why.contains("root"));
+    }
+
+    #[test]
+    fn a_flight_and_the_strides_about_it_are_passed_over_and_the_stand_before_is_not() {
+        let domain = found(&jump(0.4, 1.0));
+        assert!(domain.walks_in(0, 60));
+        assert_eq!(domain.reasons[140], Some(Reason::Flight));
+        assert!(!domain.walks_in(0, 140) && domain.stands_in(0, 140));
+    }
+
+    #[test]
+    fn spans_of_one_reason_are_told_once() {
+        let mut domain = found(&stand(2.0));
+        domain.begin_after(3);
+        domain.add(2, 9, Reason::Thrown);
+        domain.add(20, 22, Reason::Thrown);
+        let told: Vec<(usize, usize)> = domain.abstained().iter().map(|span| (span.start, span.end)).collect();
+        assert_eq!(told, [(0, 2), (3, 9), (20, 22)]);
+    }
+}

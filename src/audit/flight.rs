@@ -70,3 +70,53 @@ fn fall(track: &Track, start: usize, end: usize) -> Option<f64> {
     let determinant = s0 * s4 - s2 * s2;
     (determinant > 1e-15).then(|| -2.0 * (s0 * sy2 - s2 * sy) / determinant)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::audit::contacts::footfalls;
+    use crate::audit::fixture::jump;
+    use crate::model::Capture;
+
+    fn found(capture: &Capture) -> (Vec<(usize, usize)>, Vec<Mark>) {
+        let track = Track::new(capture);
+        let feet = footfalls(&track);
+        (flights(&track, &feet), marks(&track, &feet))
+    }
+
+    #[test]
+    fn a_jump_that_falls_as_bodies_fall_is_a_flight_and_not_told() {
+        for seconds in [0.3, 0.45, 0.6] {
+            let (flights, marks) = found(&jump(seconds, 1.0));
+            assert_eq!(flights.len(), 1, "{flights:?}");
+            let (start, end) = flights[0];
+            let length = (end - start + 1) as f64 / 120.0;
+            assert!(start.abs_diff(120) <= 5 && (length - seconds).abs() < 0.06, "{flights:?}");
+            assert!(marks.is_empty(), "{marks:?}");
+        }
+    }
+
+    #[test]
+    fn a_jump_at_six_tenths_and_one_at_twice_its_speed_are_told() {
+        for (speed, seconds) in [(0.6, 0.4), (2.0, 0.6)] {
+            let (_, marks) = found(&jump(seconds, speed));
+            assert_eq!(marks.len(), 1, "{speed}: {marks:?}");
+            let expected = GRAVITY * speed * speed;
+            assert!((marks[0].measured - expected).abs() < 0.1 * expected, "{:?} {expected}", marks[0]);
+            assert!(marks[0].start.abs_diff(120) <= 5, "{marks:?}");
+        }
+    }
+
+    #[test]
+    fn a_flight_of_too_few_frames_is_passed_over() {
+        let capture = jump(0.12, 0.6);
+        let mut coarse = capture.clone();
+        coarse.fps = 30.0;
+        let joints = capture.body.joints.len();
+        let every = |frame: &usize| frame.is_multiple_of(4);
+        coarse.positions = (0..capture.frames()).filter(every).flat_map(|frame| capture.at(frame).to_vec()).collect();
+        coarse.turns = (0..capture.frames()).filter(every).flat_map(|frame| capture.turns_at(frame).to_vec()).collect();
+        assert_eq!(coarse.positions.len() % joints, 0);
+        assert!(found(&coarse).1.is_empty());
+    }
+}

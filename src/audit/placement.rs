@@ -75,6 +75,13 @@ pub struct Judged {
     pub limit: DVec2,
 }
 
+impl Taken {
+    /// m, (x, z), of (along, out).
+    fn axes(&self, offset: DVec2) -> DVec2 {
+        self.ahead * offset.x + self.out * offset.y
+    }
+}
+
 /// Every step whose beginning and end the clip shows, with its state.
 pub fn taken(track: &Track, feet: &Footfalls) -> Vec<Taken> {
     feet.steps.iter().filter_map(|step| state(track, feet, *step)).collect()
@@ -82,6 +89,19 @@ pub fn taken(track: &Track, feet: &Footfalls) -> Vec<Taken> {
 
 /// Judges them: each against the model and the median of the others.
 pub fn judge(track: &Track, taken: &[Taken]) -> Vec<Judged> {
+    judge_by(track, taken, POPULATION, PLACED)
+}
+
+/// The same steps seen without the velocity: footholds against the centre of mass itself. Not what the audit does: it shows how much of
+/// what is found the pendulum finds.
+pub fn without_velocity(taken: &Taken) -> Taken {
+    let foothold = taken.xi - taken.com + taken.axes(taken.model + taken.rest);
+    let rest = DVec2::new(foothold.dot(taken.ahead), foothold.dot(taken.out));
+    Taken { xi: taken.com, model: DVec2::ZERO, rest, ..*taken }
+}
+
+/// Judges with a population's offset and limits (m, forward and sideways, at a leg of 0.83 m) of one's own.
+pub fn judge_by(track: &Track, taken: &[Taken], population: DVec2, placed: DVec2) -> Vec<Judged> {
     let size = track.size();
     (0..taken.len())
         .map(|index| {
@@ -90,18 +110,18 @@ pub fn judge(track: &Track, taken: &[Taken]) -> Vec<Judged> {
             let count = others.clone().count() as f64;
             let own = |axis: usize| {
                 let values: Vec<f64> = others.clone().map(|other| taken[other].rest[axis]).collect();
-                (count * median(&values) + PRIOR[axis] * POPULATION[axis] * size) / (count + PRIOR[axis])
+                (count * median(&values) + PRIOR[axis] * population[axis] * size) / (count + PRIOR[axis])
             };
             let own = DVec2::new(own(0), own(1));
             let offset = step.model + own;
-            let predicted = step.xi + step.ahead * offset.x + step.out * offset.y;
+            let predicted = step.xi + step.axes(offset);
             let scatter = |axis: usize| {
                 let misses: Vec<f64> =
                     others.clone().map(|other| (taken[other].rest[axis] - own[axis]).abs()).collect();
                 1.48 * median(&misses)
             };
             let limit = |axis: usize| {
-                let told = PLACED[axis] * size * (1.0 + 1.0 / (count + PRIOR[axis])).sqrt();
+                let told = placed[axis] * size * (1.0 + 1.0 / (count + PRIOR[axis])).sqrt();
                 let scatter = scatter(axis);
                 if scatter > IRREGULAR * size { told.max(SCATTER * scatter) } else { told }
             };
@@ -217,5 +237,98 @@ pub fn median(values: &[f64]) -> f64 {
         0 => 0.0,
         count if count % 2 == 1 => sorted[count / 2],
         count => 0.5 * (sorted[count / 2 - 1] + sorted[count / 2]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::audit::contacts::footfalls;
+    use crate::audit::fixture::{Gait, move_plant, walk};
+    use crate::model::Capture;
+    use glam::DVec3;
+
+    fn judged(capture: &Capture) -> (Vec<Judged>, Vec<Mark>) {
+        let track = Track::new(capture);
+        let feet = footfalls(&track);
+        let judged = judge(&track, &taken(&track, &feet));
+        let marks = marks(&feet, &judged);
+        (judged, marks)
+    }
+
+    #[test]
+    fn a_pendulum_that_steps_where_it_must_leaves_no_error() {
+        for (speed, step_secs) in [(0.6, 0.6), (1.0, 0.5), (1.4, 0.4)] {
+            let (judged, marks) = judged(&walk(Gait { speed, step_secs, ..Gait::default() }));
+            assert!(judged.len() >= 7, "{}", judged.len());
+            assert!(judged.iter().all(|judged| judged.error.abs().max_element() < 0.02), "{judged:?}");
+            assert!(marks.is_empty());
+        }
+    }
+
+    #[test]
+    fn a_moved_plant_is_told_with_its_foot_its_frames_and_its_way() {
+        let gait = Gait::default();
+        let clean = walk(gait);
+        let step = 6; // of the clip's 12
+        let side = gait.foothold(step).0;
+        let start = ((step - 1) as f64 * gait.step_secs * gait.fps) as usize;
+        let span = (start, start + (gait.step_secs * gait.fps) as usize);
+        let out = DVec3::X * side.sign();
+        for (shift, word, sign) in [
+            (DVec3::Z, "ahead", DVec2::X),
+            (-DVec3::Z, "behind", -DVec2::X),
+            (out, "out", DVec2::Y),
+            (-out, "in", -DVec2::Y),
+        ] {
+            let mut planted = clean.clone();
+            move_plant(&mut planted, side, span, 20, shift * 0.2);
+            let (judged, marks) = judged(&planted);
+            let mark = marks.iter().find(|mark| mark.start <= span.1 && mark.end >= span.0 && mark.side == Some(side));
+            let mark = mark.unwrap_or_else(|| panic!("20 cm {word}: {marks:?}"));
+            assert!(mark.why.contains(&format!("too far {word}")), "{}", mark.why);
+            assert!(mark.start.abs_diff(span.0) <= 6 && mark.end.abs_diff(span.1) <= 6, "{mark:?} {span:?}");
+            assert!((0.12..0.28).contains(&mark.delta), "{mark:?}");
+            let error = judged.iter().map(|judged| judged.error.dot(sign)).fold(f64::MIN, f64::max);
+            assert!((error - 0.2).abs() < 0.05, "{word}: {error}");
+        }
+    }
+
+    #[test]
+    fn without_the_velocity_a_step_of_another_speed_is_off_and_with_it_it_is_not() {
+        // Two halves of unlike speed: each foothold is right for its own.
+        let track_of = |speed: f64| walk(Gait { speed, step_secs: 0.5, ..Gait::default() });
+        let rests = |capture: &Capture, bare: bool| -> f64 {
+            let track = Track::new(capture);
+            let steps = taken(&track, &footfalls(&track));
+            let rests: Vec<f64> =
+                steps.iter().map(|step| if bare { without_velocity(step).rest.x } else { step.rest.x }).collect();
+            median(&rests)
+        };
+        let (slow, fast) = (track_of(0.5), track_of(1.3));
+        let with = (rests(&slow, false) - rests(&fast, false)).abs();
+        let without = (rests(&slow, true) - rests(&fast, true)).abs();
+        assert!(with < 0.03, "{with}");
+        assert!(without > 0.12, "{without}");
+    }
+
+    #[test]
+    fn the_judge_without_velocity_predicts_from_the_centre_of_mass() {
+        let capture = walk(Gait::default());
+        let track = Track::new(&capture);
+        let feet = footfalls(&track);
+        let step = taken(&track, &feet)[3];
+        let bare = without_velocity(&step);
+        let place = feet.contacts[step.step.to].place;
+        let foothold = bare.com + bare.ahead * bare.rest.x + bare.out * bare.rest.y;
+        assert_eq!(bare.xi, step.com);
+        assert!(foothold.distance(place) < 1e-9, "{foothold} {place}");
+    }
+
+    #[test]
+    fn the_median_is_the_middle() {
+        assert_eq!(median(&[]), 0.0);
+        assert_eq!(median(&[3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(&[4.0, 1.0, 2.0, 3.0]), 2.5);
     }
 }

@@ -173,3 +173,85 @@ fn heights(track: &Track, feet: &Footfalls) -> Vec<Mark> {
     }
     marks
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::audit::contacts::footfalls;
+    use crate::audit::fixture::{Gait, shift_all, shift_foot, stand, walk};
+    use crate::model::Capture;
+    use glam::DVec3;
+
+    fn found(capture: &Capture) -> Vec<Mark> {
+        let track = Track::new(capture);
+        marks(&track, &footfalls(&track))
+    }
+
+    fn of(marks: &[Mark], rule: Rule) -> Vec<&Mark> {
+        marks.iter().filter(|mark| mark.rule == rule).collect()
+    }
+
+    #[test]
+    fn feet_that_do_as_feet_do_are_not_told() {
+        for capture in [
+            stand(3.0),
+            walk(Gait::default()),
+            walk(Gait { floor: -1.2, slope: DVec2::new(0.0, 0.015), ..Gait::default() }),
+            walk(Gait { rise: 0.15, ..Gait::default() }),
+        ] {
+            let marks = found(&capture);
+            assert!(marks.is_empty(), "{marks:?}");
+        }
+    }
+
+    #[test]
+    fn a_foot_that_slides_while_it_bears_is_told_and_only_that_foot() {
+        for side in Side::BOTH {
+            let mut capture = stand(3.0);
+            for frame in 60..capture.frames() {
+                let way = ((frame - 60) as f64 / 30.0).min(1.0) * 0.15;
+                shift_foot(&mut capture, frame, side, DVec3::Z * way);
+            }
+            let marks = found(&capture);
+            let slides = of(&marks, Rule::FootSlide);
+            assert_eq!((slides.len(), marks.len()), (1, 1), "{marks:?}");
+            assert_eq!(slides[0].side, Some(side));
+            assert!((slides[0].delta - 0.15).abs() < 0.03, "{slides:?}");
+        }
+    }
+
+    #[test]
+    fn feet_that_wander_together_are_the_roots_drift() {
+        let mut capture = stand(3.0);
+        for frame in 0..capture.frames() {
+            shift_all(&mut capture, frame, DVec3::X * 0.2 * frame as f64 / 60.0);
+        }
+        let marks = found(&capture);
+        assert!(!marks.is_empty() && marks.iter().all(|mark| mark.rule == Rule::Drift && mark.side.is_none()));
+    }
+
+    #[test]
+    fn six_centimetres_over_and_under_the_floor_are_told_in_their_frames() {
+        for (lift, rule) in [(0.06, Rule::Float), (-0.06, Rule::Penetration)] {
+            let mut capture = walk(Gait::default());
+            for frame in 120..=180 {
+                let near = (frame - 120).min(180 - frame) as f64 / 6.0;
+                shift_all(&mut capture, frame, DVec3::Y * lift * near.min(1.0));
+            }
+            let marks = found(&capture);
+            let told = of(&marks, rule);
+            assert!(!told.is_empty() && told.len() == marks.len(), "{marks:?}");
+            let frames: usize = told.iter().map(|mark| mark.end - mark.start + 1).sum();
+            assert!((35..=61).contains(&frames), "{told:?}");
+            assert!(told.iter().all(|mark| mark.start >= 118 && mark.end <= 182), "{told:?}");
+            assert!(told.iter().all(|mark| mark.measured.signum() == lift.signum()), "{told:?}");
+        }
+    }
+
+    #[test]
+    fn the_farthest_way_is_looked_for_within_the_frames() {
+        let way: Vec<DVec2> = (0..10).map(|frame| DVec2::X * f64::from(frame)).collect();
+        assert_eq!(farthest(&way, 3), 3.0);
+        assert_eq!(farthest(&way, 30), 9.0);
+    }
+}

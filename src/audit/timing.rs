@@ -85,3 +85,48 @@ pub fn mark(clock: Clock) -> Option<ClipFlag> {
         ),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::audit::contacts::footfalls;
+    use crate::audit::domain::domain;
+    use crate::audit::fixture::{Gait, at_speed, resized, stand, walk};
+    use crate::model::Capture;
+
+    fn found(capture: &Capture) -> Option<Clock> {
+        let track = Track::new(capture);
+        let feet = footfalls(&track);
+        let domain = domain(&track, &feet);
+        clock(&track, &feet, &domain, feet.steps.len())
+    }
+
+    #[test]
+    fn a_pendulums_clock_is_right_at_any_speed_of_walking_and_size() {
+        for speed in [0.6, 1.0, 1.3] {
+            for scale in [0.5, 1.0, 1.5] {
+                let capture = resized(&walk(Gait { speed, ..Gait::default() }), scale);
+                let clock = found(&capture).expect("it walks");
+                assert!((0.75..1.2).contains(&clock.across) && (0.75..1.2).contains(&clock.along), "{clock:?}");
+                assert!(mark(clock).is_none());
+            }
+        }
+    }
+
+    #[test]
+    fn a_walk_at_six_tenths_of_its_speed_is_told_and_one_at_one_and_a_half() {
+        let walk = walk(Gait::default());
+        for (speed, word) in [(0.6, "slower"), (1.5, "faster")] {
+            let clock = found(&at_speed(&walk, speed)).expect("it walks");
+            let told = mark(clock).unwrap_or_else(|| panic!("{speed}: {clock:?}"));
+            assert!(told.why.contains(word), "{}", told.why);
+            assert!((0.0..=1.0).contains(&told.severity) && told.rule == Rule::Timing);
+            assert!((clock.across.sqrt() - speed).abs() < 0.2 * speed, "{clock:?}");
+        }
+    }
+
+    #[test]
+    fn who_stands_has_no_clock() {
+        assert!(found(&stand(5.0)).is_none());
+    }
+}

@@ -106,7 +106,11 @@ fn foot_track(capture: &Capture, side: Side) -> FootTrack {
         let levelled = foot.level * *offset;
         foot.forward.dot(DVec2::new(levelled.x, levelled.z))
     };
-    let front = foot.front_sole.iter().copied().max_by(|a, b| ahead(a).total_cmp(&ahead(b)));
+    // Its foremost point, brought to the middle line: a vertex is on one side of it.
+    let front = foot.front_sole.iter().max_by(|a, b| ahead(a).total_cmp(&ahead(b))).map(|vertex| {
+        let along = foot.forward * ahead(vertex);
+        foot.level.inverse() * DVec3::new(along.x, (foot.level * *vertex).y, along.y)
+    });
     let front = front.unwrap_or_else(|| levelled_point(foot, foot.tip, 0.0, 0.0));
     let shift = foot.toe.map_or(DVec3::ZERO, |toe| body.joints[toe].rest - body.joints[foot.ankle].rest);
     let (tip_joint, tip) = (foot.toe.unwrap_or(foot.ankle), front - shift);
@@ -175,4 +179,69 @@ pub fn without_pose(capture: &Capture) -> (Option<Capture>, usize) {
         held.turns.copy_within((last + 1) * joints..(last + 2) * joints, frame * joints);
     }
     (Some(held), last + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::audit::fixture::{Gait, posed, walk};
+    use crate::measure::fixture;
+
+    #[test]
+    fn a_walk_goes_where_it_looks_at_its_speed() {
+        let capture = walk(Gait::default());
+        let track = Track::new(&capture);
+        let mean: DVec3 = track.velocity.iter().copied().sum::<DVec3>() / track.len() as f64;
+        assert!((mean.z - 1.0).abs() < 0.05 && mean.x.abs() < 0.05, "{mean}");
+        assert!(track.facing.iter().all(|facing| facing.dot(DVec2::Y) > 0.999));
+        // The pendulum's own acceleration, ω² times the distance, survives the filter.
+        let least = track.acceleration.iter().map(|a| a.z).fold(f64::MAX, f64::min);
+        assert!((-4.0..-1.5).contains(&least), "{least}");
+    }
+
+    #[test]
+    fn a_foot_that_stands_has_a_still_point_at_the_ground_and_one_that_swings_has_none() {
+        let gait = Gait { floor: 0.3, ..Gait::default() };
+        let capture = walk(gait);
+        let track = Track::new(&capture);
+        let middle = |step: f64| ((step + 0.5) * gait.step_secs * gait.fps) as usize;
+        for step in 2..8 {
+            let (side, place) = gait.foothold(step + 1);
+            let (stance, swing) = (&track.feet[side as usize], &track.feet[side.other() as usize]);
+            let frame = middle(step as f64);
+            assert!(stance.still[frame] < 0.02 && (stance.low[frame] - 0.3).abs() < 0.003);
+            assert!(stance.place(frame).distance(DVec2::new(place.x, place.z)) < 0.005);
+            assert!(swing.still[frame] > 1.0 && swing.low[frame] > 0.35);
+        }
+    }
+
+    #[test]
+    fn a_t_pose_before_the_motion_is_held_at_the_motions_first_frame() {
+        let capture = walk(Gait::default());
+        assert_eq!(without_pose(&capture).1, 0, "a motion that begins at once has none");
+        let joints = capture.body.joints.len();
+        let mut posed = capture.clone();
+        for frame in 0..2 {
+            for joint in 0..joints {
+                posed.positions[frame * joints + joint] = capture.body.joints[joint].rest + DVec3::X * 0.7;
+            }
+        }
+        let (held, count) = without_pose(&posed);
+        assert_eq!(count, 2);
+        let held = held.expect("it is held");
+        assert_eq!(held.at(0), capture.at(2));
+        assert_eq!(held.at(1), capture.at(2));
+        assert_eq!(held.at(2), capture.at(2));
+    }
+
+    #[test]
+    fn a_fast_start_is_no_pose() {
+        // Thrown from the first frame on: every frame leaps as far.
+        let body = fixture::body();
+        let fast = posed(&body, 30.0, 40, |time| {
+            let way = DVec3::new(0.0, 0.0, 9.0 * time);
+            (DVec3::new(0.0, 0.9, 0.0) + way, [way + DVec3::X * 0.1, way - DVec3::X * 0.1])
+        });
+        assert_eq!(without_pose(&fast).1, 0);
+    }
 }

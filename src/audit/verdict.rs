@@ -49,6 +49,8 @@ pub fn step(feet: &Footfalls, judged: &Judged) -> StepVerdict {
         error_m: judged.error.length(),
         error_forward_m: judged.error.x,
         error_sideways_m: judged.error.y,
+        stopping_m: judged.taken.stopping,
+        lead_m: (landing.place - judged.taken.com).dot(judged.taken.ahead),
     }
 }
 
@@ -88,4 +90,73 @@ pub fn trust(feet: &Footfalls, domain: &Domain) -> f64 {
     let steps = feet.steps.len() as f64;
     let stands = if feet.contacts.is_empty() { 0.3 } else { 1.0 };
     (0.3 + 0.7 * domain.share()) * (0.7 + 0.3 * (steps / 4.0).min(1.0)) * stands
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::audit::audit;
+    use crate::audit::contacts::footfalls;
+    use crate::audit::domain::domain;
+    use crate::audit::fixture::{Gait, seat, stand, walk};
+    use glam::DQuat;
+
+    #[test]
+    fn a_pitched_foot_bears_on_its_ball_or_heel() {
+        for (angle, expected) in [(0.35, "ball"), (-0.35, "heel"), (0.0, "flat")] {
+            let mut capture = stand(2.0);
+            let ankle = capture.body.feet[0].ankle;
+            let toe = capture.body.feet[0].toe.expect("the body has toes");
+            let joints = capture.body.joints.len();
+            let turn = DQuat::from_rotation_x(angle);
+            for frame in 0..capture.frames() {
+                let from = capture.body.joints[toe].rest - capture.body.joints[ankle].rest;
+                capture.turns[frame * joints + ankle] = turn;
+                capture.positions[frame * joints + toe] = capture.at(frame)[ankle] + turn * from;
+                // Toes stay level under a raised heel and rise with the foot before them.
+                capture.turns[frame * joints + toe] = if angle < 0.0 { turn } else { DQuat::IDENTITY };
+            }
+            let track = Track::new(&capture);
+            let feet = footfalls(&track);
+            let told = contacts(&track, &feet);
+            let left = told.iter().find(|contact| contact.foot == "left").expect("it bears");
+            assert_eq!(left.part, expected, "{told:?}");
+        }
+    }
+
+    #[test]
+    fn parts_of_a_contact_join_and_cover_it() {
+        let capture = walk(Gait::default());
+        let track = Track::new(&capture);
+        let feet = footfalls(&track);
+        let told = contacts(&track, &feet);
+        let frames = |list: &[(usize, usize)]| list.iter().map(|(start, end)| end - start + 1).sum::<usize>();
+        let all: Vec<(usize, usize)> = feet.contacts.iter().map(|contact| (contact.start, contact.end)).collect();
+        let parts: Vec<(usize, usize)> = told.iter().map(|contact| (contact.start, contact.end)).collect();
+        assert_eq!(frames(&all), frames(&parts));
+        assert!(told.windows(2).all(|pair| pair[0].start <= pair[1].start));
+    }
+
+    #[test]
+    fn a_verdict_is_trusted_less_where_less_is_seen() {
+        let trust_in = |capture: &crate::model::Capture| {
+            let track = Track::new(capture);
+            let feet = footfalls(&track);
+            trust(&feet, &domain(&track, &feet))
+        };
+        let (walks, stands, sits) = (trust_in(&walk(Gait::default())), trust_in(&stand(2.0)), trust_in(&seat(2.0)));
+        assert_eq!(walks, 1.0);
+        assert!(stands < walks && sits < stands, "{walks} {stands} {sits}");
+    }
+
+    #[test]
+    fn steps_are_told_with_their_feet_in_turn() {
+        let found = audit(&walk(Gait::default()), &Default::default());
+        assert!(found.steps.len() >= 7);
+        assert!(found.steps.windows(2).all(|pair| pair[0].foot != pair[1].foot));
+        for step in &found.steps {
+            assert!(step.lift_off < step.touch_down, "{step:?}");
+            assert!((step.error_m - step.error_forward_m.hypot(step.error_sideways_m)).abs() < 1e-9);
+        }
+    }
 }

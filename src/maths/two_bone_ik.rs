@@ -20,12 +20,17 @@ pub struct TwoBone {
 }
 
 /// Solves a chain of lengths `upper` and `lower` from `root` to `target`, its middle joint towards `pole` (a direction).
-/// `straightest`: the largest part of the full length that is allowed, below 1 so that the knee never locks.
+/// `straightest`: the largest part of the full length that is allowed, below 1 so that the knee never locks. A chain without length
+/// stays at its root.
 pub fn two_bone_ik(root: DVec3, target: DVec3, upper: f64, lower: f64, pole: DVec3, straightest: f64) -> TwoBone {
     let to_target = target - root;
     let wanted = to_target.length();
     let axis = if wanted > 1e-9 { to_target / wanted } else { DVec3::NEG_Y };
     let longest = (upper + lower) * straightest;
+    let sound = longest > 1e-9 && longest.is_finite() && upper > 1e-9 && lower > 1e-9 && wanted.is_finite();
+    if !sound {
+        return TwoBone { middle: root, end: root, hinge: DVec3::X, bend: 0.0, reached: false };
+    }
     let shortest = (upper - lower).abs() + 0.02 * (upper + lower);
     let distance = wanted.clamp(shortest.min(longest), longest);
     let side = (pole - axis * pole.dot(axis)).try_normalize().unwrap_or_else(|| axis.any_orthonormal_vector());
@@ -60,6 +65,14 @@ mod tests {
             assert!(((leg.end - leg.middle).length() - 0.41).abs() < 1e-12, "lower length");
             assert!((turn.inverse() * leg.middle).z > 0.1, "knee forward");
             assert!((turn.inverse() * leg.hinge).x > 0.9, "hinge to the left, so that flexion is positive about it");
+        }
+    }
+
+    #[test]
+    fn a_chain_without_length_or_with_a_lost_target_stays_at_its_root() {
+        for (upper, target) in [(0.0, DVec3::X), (0.4, DVec3::NAN), (f64::NAN, DVec3::X)] {
+            let leg = two_bone_ik(DVec3::Y, target, upper, 0.4, DVec3::Z, 0.999);
+            assert!(!leg.reached && leg.end == DVec3::Y && leg.hinge.is_finite(), "{leg:?}");
         }
     }
 

@@ -152,6 +152,10 @@ pub struct StepVerdict {
     pub error_forward_m: f64,
     /// m, signed: positive is too far out, on its own side.
     pub error_sideways_m: f64,
+    /// m, along the way from the centre of mass: where a step that stops would land, by the paper's step distance.
+    pub stopping_m: f64,
+    /// m, along the way from the centre of mass: where this one landed.
+    pub lead_m: f64,
 }
 
 /// Where nothing is said.

@@ -58,6 +58,12 @@ pub fn derive(input: &BodyInput) -> DerivedBody {
         extrapolate_leg(side, height, &skin, &mut places);
         extrapolate_arm(side, height, &skin, &mut places);
     }
+    // A trunk that leans takes the head along: it stands over the shoulders, not over the hips.
+    if let (Some(left), Some(right)) = (places.get(&Role::LeftUpperArm), places.get(&Role::RightUpperArm)) {
+        let over = DVec3::Y * (template(Role::Head).y - template(Role::LeftUpperArm).y) * height;
+        let place = left.midpoint(*right) + over;
+        places.entry(Role::Head).or_insert(place);
+    }
     for role in [Role::Hips, Role::Spine, Role::Head] {
         places.entry(role).or_insert(DVec3::new(0.0, template(role).y * height, 0.0));
     }
@@ -267,7 +273,11 @@ fn height(input: &BodyInput, skin: &Skin) -> f64 {
     let from_joints = match head {
         // The head's joint at the skull's base stands at 0.885 of the height.
         Some(head) if head.y > 0.0 => (head.y / template(Role::Head).y).max(highest),
-        _ => highest * 1.1,
+        // Nor is a raised hand its crown: the shoulders tell, at 0.818.
+        _ => match place(Role::LeftUpperArm).zip(place(Role::RightUpperArm)) {
+            Some((left, right)) => 0.5 * (left.y + right.y) / template(Role::LeftUpperArm).y,
+            None => highest * 1.1,
+        },
     };
     from_joints.max(1e-3)
 }

@@ -1,0 +1,175 @@
+//! What the audit says of clean clips, of planted faults and of measured forces, and what it costs, beside what is wanted of it.
+//!
+//! `cargo bench --bench audit` prints the table; `-v` after `--` adds each false event and each fault that was missed. The lab data are
+//! third party's and stand beside the package (or where SUREFOOT_DATA points); without them it says so.
+
+#![expect(clippy::print_stdout, reason = "the table")]
+
+#[path = "../audit_faults.rs"]
+mod audit_faults;
+#[path = "../audit_forces.rs"]
+mod audit_forces;
+#[path = "../audit_grid.rs"]
+mod audit_grid;
+
+use audit_grid::{Blind, Clip, Fault, Found, Kind, ask, clean, clips, faults, slow_clips, slow_flights, walks};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+fn main() {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    if let [first, path, ..] = words.as_slice()
+        && first == "--long"
+    {
+        return long(Path::new(path));
+    }
+    let verbose = words.iter().any(|word| word == "-v");
+    let data = std::env::var_os("SUREFOOT_DATA")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
+    if !data.is_dir() {
+        println!("skipped: no lab data at {} (SUREFOOT_DATA names another folder)", data.display());
+        return;
+    }
+    let (tuned, held) = clips(&data);
+    let blind = Blind::fit(&walks(&tuned));
+    for (title, list) in [("TUNED ON", &tuned), ("HELD OUT", &held)] {
+        println!("\n{title}: {} clips", list.len());
+        cleans(list, verbose);
+        planted(list, &blind, verbose);
+    }
+    println!("\nMEASURED FORCES (of wanted)");
+    match audit_forces::compare(&data) {
+        Some(lines) => lines.iter().for_each(|line| println!("  {line}")),
+        None => println!("  skipped: no data/forces"),
+    }
+    println!("\nSPEED (of wanted)");
+    match stretched(&data.join("clips/cmu_01_01_hops.bvh")) {
+        Some(path) => child(&path),
+        None => println!("  skipped: no data/clips/cmu_01_01_hops.bvh"),
+    }
+}
+
+fn cleans(clips: &[Clip], verbose: bool) {
+    for (kind, captured) in Kind::ALL.into_iter().flat_map(|kind| [(kind, true), (kind, false)]) {
+        let found = clean(clips, kind, captured);
+        if found.clips == 0 {
+            continue;
+        }
+        let name = format!("{kind:?}, {}", if captured { "captured" } else { "keyed" }).to_lowercase();
+        println!(
+            "  clean {name:<16} {:>3} clips, {:>4.2} min: {:.2} false events a minute of {:.1}, {:.2} % of the frames of 2, abstained {:.0} %, clip flags {}",
+            found.clips,
+            found.minutes,
+            found.a_minute(),
+            kind.wanted(),
+            100.0 * found.share(),
+            100.0 * found.abstained(),
+            found.clip_flags
+        );
+        if verbose {
+            found.told.iter().for_each(|line| println!("      {line}"));
+        }
+    }
+}
+
+fn planted(clips: &[Clip], blind: &Blind, verbose: bool) {
+    let walks = walks(clips);
+    for fault in faults() {
+        let found = ask(&walks, &fault);
+        row(&fault, &found, verbose);
+        if fault.name.starts_with("swing") {
+            let without = blind.ask(&walks, &fault);
+            let (ours, its) = blind.false_a_minute(&walks);
+            println!(
+                "    without the velocity       {:>4} planted: recall {:.3}: the pendulum adds {:.2} of 0.30 (limits {:.2} and {:.2} m; false {its:.2} a minute, with it {ours:.2})",
+                without.planted,
+                without.recall(),
+                found.recall() - without.recall(),
+                blind.placed.x,
+                blind.placed.y,
+            );
+        }
+    }
+    let whole = |name: &str, found: &Found, wanted: f64| {
+        let recall = found.recall();
+        println!("  {name:<26} {:>4} planted: recall {recall:.3} of {wanted:.2}", found.planted);
+        if verbose {
+            found.missed.iter().for_each(|line| println!("      missed {line}"));
+        }
+    };
+    whole("clip at 0.6 of its speed", &slow_clips(&walks), 0.9);
+    whole("flight at 0.6 (60 fps up)", &slow_flights(clips), 0.95);
+}
+
+fn row(fault: &Fault, found: &Found, verbose: bool) {
+    let of = |wanted: Option<f64>| wanted.map_or(String::new(), |wanted| format!(" of {wanted:.2}"));
+    println!(
+        "  {:<26} {:>4} planted: recall {:.3}{}, frame F1 {:.2}{}",
+        fault.name,
+        found.planted,
+        found.recall(),
+        of(fault.wanted),
+        found.f1(),
+        of(fault.wanted_f1)
+    );
+    if verbose {
+        found.missed.iter().for_each(|line| println!("      missed {line}"));
+    }
+}
+
+/// Ten minutes at 120 fps: the rows of a clip again and again.
+fn stretched(clip: &Path) -> Option<PathBuf> {
+    const FRAMES: usize = 72_000;
+    let text = std::fs::read_to_string(clip).ok()?;
+    let (head, rows) = text.split_once("Frames:")?;
+    let rows: Vec<&str> = rows.lines().skip(2).filter(|line| !line.trim().is_empty()).collect();
+    let mut long = format!("{head}Frames: {FRAMES}\nFrame Time: 0.0083333\n");
+    for row in rows.iter().cycle().take(FRAMES) {
+        long.push_str(row);
+        long.push('\n');
+    }
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("audit_long.bvh");
+    std::fs::write(&path, long).ok()?;
+    Some(path)
+}
+
+/// Times it in a process of its own, whose peak of memory is its own too.
+fn child(path: &Path) {
+    let this = std::env::current_exe().expect("a benchmark knows where it is");
+    let status = std::process::Command::new(this).arg("--long").arg(path).status();
+    if !status.is_ok_and(|status| status.success()) {
+        println!("  the process that times it failed");
+    }
+}
+
+fn long(path: &Path) {
+    let start = Instant::now();
+    let file = surefoot::mocap::load(path).expect("a BVH");
+    let capture = file.capture(0, &surefoot::mocap::Options::default()).expect("a capture");
+    drop(file);
+    let (read, peak_read) = (start.elapsed().as_secs_f64(), peak());
+    let found = surefoot::audit::audit(&capture, &surefoot::audit::AuditOptions::default());
+    let all = start.elapsed().as_secs_f64();
+    let frames = capture.frames() as f64;
+    println!(
+        "  BVH of 31 joints, {} of the body, {:.0} s at {:.0} fps: {:.0} frames a second of 20000 on one core ({read:.2} s reading, {:.2} s judging, {} flags)",
+        capture.body.joints.len(),
+        frames / capture.fps,
+        capture.fps,
+        frames / all,
+        all - read,
+        found.flags.len()
+    );
+    match peak_read.zip(peak()) {
+        Some((read, all)) => println!("  peak memory {all:.0} MB of 300 ({read:.0} up to the end of reading)"),
+        None => println!("  peak memory: not told by this system"),
+    }
+}
+
+/// MB, of this process so far.
+fn peak() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kib: f64 = line.trim().strip_suffix(" kB")?.parse().ok()?;
+    Some(kib * 1024.0 / 1e6)
+}
