@@ -235,6 +235,21 @@ fn a_glb_keeps_its_bytes_its_other_clips_and_every_key_outside() {
     keys_outside_are_the_same(old, new, &corrected, &spoiled_reading);
 }
 
+#[test]
+fn a_retimed_clip_keeps_its_keys_and_leaves_the_other_clip_alone() {
+    let (file, reading) = walk();
+    let document = file.document().expect("glTF");
+    let fps = reading.capture.fps;
+    let twice = Amended { animation: 1, start: reading.start, fps, edits: locals::Edits::new(), speed: 2.0 };
+    let bytes = amend(document, file.nodes().expect("glTF"), &[twice]).expect("writes");
+    let back = read("walk.glb", &bytes);
+    assert_eq!(back.document().expect("glTF").json["animations"][0], document.json["animations"][0]);
+    let faster = back.capture(1, &Options { fps: Some(2.0 * fps), ..Options::default() }).expect("a clip");
+    assert_eq!(faster.frames(), reading.capture.frames());
+    let off = locals::written_off_by(&reading.capture, &faster);
+    assert!(off < 1e-5, "{off} m off");
+}
+
 fn keys_outside_are_the_same(
     old: &surefoot::rig::Document,
     new: &surefoot::rig::Document,

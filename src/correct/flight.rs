@@ -11,7 +11,7 @@ use crate::model::findings::{Findings, Rule};
 use glam::DVec3;
 
 /// Of the leg's length: what a flight gains at most.
-const HIGHEST: f64 = 0.5;
+const HIGHEST: f64 = 0.6;
 /// Of the leg's length: the centre of mass of a body that jumps.
 const UPRIGHT: f64 = 0.85;
 

@@ -13,11 +13,13 @@ const BESIDE: usize = 12;
 /// A repair must take away that share of what was found in its span.
 const CLEANER: f64 = 0.2;
 
+/// Rules that tell of the same thing.
+const KIN: [[Rule; 2]; 2] = [[Rule::FootSlide, Rule::Drift], [Rule::Penetration, Rule::Float]];
 /// Frames that a repair may make the audit abstain from.
 const SILENT: usize = 3;
 
 /// How much more another rule's flags may weigh after a repair.
-const PAID: f64 = 0.8;
+const PAID: f64 = 1.2;
 
 /// Tries fixes that do not meet; those that stay.
 pub fn apply(
@@ -55,9 +57,13 @@ pub fn apply(
             // Silence is no cure: frames that the audit does not judge any more count as they did.
             let silent = unjudged(&found, zone) > unjudged(after, zone) + SILENT;
             // No rule may pay for another.
-            let worse = Rule::ALL.into_iter().filter(|rule| *rule != tried.done.rule).any(|rule| {
+            let kin = |one: Rule, other: Rule| {
+                one == other || KIN.iter().any(|kin| kin.contains(&one) && kin.contains(&other))
+            };
+            let worse = Rule::ALL.into_iter().filter(|rule| !kin(*rule, tried.done.rule)).any(|rule| {
                 let of = |flags: &[Flag]| -> f64 {
-                    cost(&overlapping(flags, zone).into_iter().filter(|flag| flag.rule == rule).collect::<Vec<_>>())
+                    let own = overlapping(flags, zone).into_iter().filter(|flag| kin(flag.rule, rule));
+                    cost(&own.collect::<Vec<_>>())
                 };
                 of(&found.flags) > of(&before) + PAID
             });

@@ -58,7 +58,8 @@ fn main() {
         return;
     }
     let walks = clips(&data.join("audit"), &["walk"]);
-    let fast: Vec<(String, Capture)> = clips(&data.join("clips"), &["cmu_", "fair1"]);
+    let mut fast: Vec<(String, Capture)> = clips(&data.join("clips"), &["cmu_", "fair1"]);
+    fast.retain(|(_, capture)| capture.fps >= 60.0);
     println!(
         "{:24} {:>8} {:>5} {:>5} {:>7} {:>7} {:>4} {:>14} {:>12} {:>8}",
         "fault", "planted", "seen", "gone", "of seen", "of all", "new", "off cm", "slip mm max", "frames"
