@@ -174,6 +174,9 @@ pub fn correct(source: &Capture, options: &CorrectOptions) -> Corrected {
     for flag in after.flags.iter().filter(|flag| wanted(options, flag.rule)) {
         notes.push(format!("frames {}-{}: could not mend that {}", flag.start, flag.end, flag.why));
     }
+    if !source.pushes.is_empty() && !done.is_empty() {
+        notes.push("the clip's extras (contacts, plausibility) still tell of it as it was baked".to_owned());
+    }
     let changed = changed(source, &capture);
     restore(source, &mut capture, &changed);
     let slip = slip(&capture, &done, options.audit.floor);
