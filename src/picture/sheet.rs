@@ -249,8 +249,13 @@ fn trail(input: &SheetInput) -> Trail {
         .collect()
 }
 
-/// Title, outcome and the numbers that decide.
+/// Title, outcome and the numbers that decide; of a clip that was not baked here, which tells none, only its length and its body.
 fn header(report: &ClipReport) -> Header {
+    let length = format!("{:.1} s", report.duration);
+    let body = format!("{:.1} kg, {:.2} m", report.body.mass, report.body.height);
+    if report.generator.is_empty() {
+        return Header { title: report.scenario.clone(), subtitle: [length, body].join("  ·  "), badge: None };
+    }
     let (word, color) = match report.outcome {
         Outcome::Still => ("still", [110, 118, 128]),
         Outcome::Sway => ("sway", [32, 128, 140]),
@@ -261,8 +266,8 @@ fn header(report: &ClipReport) -> Header {
     let steps = if report.steps == 1 { "1 step".to_owned() } else { format!("{} steps", report.steps) };
     let numbers = [
         steps,
-        format!("{:.1} s", report.duration),
-        format!("{:.1} kg, {:.2} m", report.body.mass, report.body.height),
+        length,
+        body,
         format!("plausibility {:.2}", plausibility.score),
         format!("ZMP inside {:.0} %", plausibility.zmp_inside * 100.0),
         format!("slip {:.1} mm", plausibility.slip_max_mm),
@@ -285,6 +290,16 @@ mod tests {
     use glam::{DAffine3, DQuat};
 
     const TAN: [u8; 3] = [205, 150, 90];
+
+    #[test]
+    fn a_clip_that_was_not_baked_here_is_given_no_outcome_and_no_numbers() {
+        let mut report = pushed();
+        report.generator = "surefoot".to_owned();
+        assert!(header(&report).badge.is_some() && header(&report).subtitle.contains("plausibility"));
+        report.generator.clear();
+        let foreign = header(&report);
+        assert!(foreign.badge.is_none() && !foreign.subtitle.contains("plausibility"), "{}", foreign.subtitle);
+    }
 
     /// A skinned person in a file that is in centimetres with Z up: node `j + 1` is joint `j`, node 0 turns and scales.
     fn tan_rig() -> Rig {
