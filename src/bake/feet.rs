@@ -5,6 +5,7 @@
 //! the air that same pivot flies from plant to plant: so nothing slides, and position and speed are continuous at lift.
 //! Pitch is positive with the heel up. Where a rig has no toes the foot turns about the tip of its sole.
 
+use super::base::FootOffset;
 use super::clearance::{self, Raise};
 use super::contacts::FootContact;
 use super::swing::Swing;
@@ -48,6 +49,7 @@ const EDGE_ROLL: f64 = 3.0 * std::f64::consts::PI / 180.0;
 pub struct FootCurves {
     feet: [FootPath; 2],
     terrain: Terrain,
+    base: Option<[(FootOffset, bool); 2]>, // how they stand in the base clip, and whether on the ball
 }
 
 /// One foot.
@@ -94,14 +96,33 @@ impl FootCurves {
         terrain: &Terrain,
     ) -> FootCurves {
         let feet = Side::BOTH.map(|side| FootPath::new(body, physique, side, start, steps, still_until, scale));
-        let mut curves = FootCurves { feet, terrain: terrain.clone() };
+        let mut curves = FootCurves { feet, terrain: terrain.clone(), base: None };
         curves.clear_the_ground();
         curves
     }
 
+    /// The same, standing at first and at last as in a base clip; with each foot, whether it does so on its ball.
+    pub fn over(self, base: [(FootOffset, bool); 2]) -> FootCurves {
+        FootCurves { base: Some(base), ..self }
+    }
+
+    /// How much a foot stands as in the base clip, 0..1: before its first step and after its last.
+    fn as_in_base(&self, side: Side, time: f64) -> f64 {
+        let swings = &self.feet[side as usize].swings;
+        let (Some(first), Some(last)) = (swings.first(), swings.last()) else { return 1.0 };
+        if swings.len() == 1 {
+            return 1.0;
+        }
+        let left = 1.0 - smooth3(first.along(time));
+        left.max(smooth3(last.along(time)))
+    }
+
     /// Where a foot is.
     pub fn at(&self, side: Side, time: f64) -> FootTarget {
-        let target = self.feet[side as usize].at(time, &self.terrain);
+        let mut target = self.feet[side as usize].at(time, &self.terrain);
+        if let Some(base) = &self.base {
+            target = base[side as usize].0.on(&target, self.as_in_base(side, time));
+        }
         if !self.terrain.moves() {
             return target;
         }
@@ -129,7 +150,7 @@ impl FootCurves {
 
     /// Raises the swings over what lies between their plants.
     fn clear_the_ground(&mut self) {
-        let FootCurves { feet, terrain } = self;
+        let FootCurves { feet, terrain, .. } = self;
         if !matches!(terrain.kind, GroundKind::Stairs { .. } | GroundKind::Uneven { .. }) {
             return;
         }
@@ -242,7 +263,16 @@ impl FootCurves {
     pub fn contacts(&self, end: f64) -> Vec<FootContact> {
         let mut contacts = Vec::new();
         for side in Side::BOTH {
+            let from = contacts.len();
             self.feet[side as usize].contacts(side, end, &mut contacts);
+            if self.base.is_some_and(|base| base[side as usize].1) {
+                for contact in &mut contacts[from..] {
+                    let middle = 0.5 * (contact.start + contact.end);
+                    if contact.part == Part::Flat && self.as_in_base(side, middle) == 1.0 {
+                        contact.part = Part::Ball;
+                    }
+                }
+            }
         }
         contacts.sort_by(|a, b| a.start.total_cmp(&b.start).then(a.side.cmp(&b.side)));
         contacts

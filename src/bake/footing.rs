@@ -187,6 +187,7 @@ mod tests {
             heel: -0.07,
             ball: 0.12,
             tip: 0.19,
+            stance: None,
             half_width: 0.045,
             rear_sole: Vec::new(),
             front_sole: Vec::new(),
@@ -221,6 +222,7 @@ mod tests {
             toe_out: 0.0,
             heel: -0.07,
             tip: 0.19,
+            stance: None,
             half_width: 0.045,
         };
         let on_the_right = vec![DVec2::new(-0.3, 0.05); 300];

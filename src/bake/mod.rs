@@ -6,6 +6,7 @@
 mod ankles;
 pub mod auto;
 mod balance;
+pub mod base;
 mod care;
 pub mod carried;
 mod clearance;
@@ -27,6 +28,7 @@ pub mod timeline;
 mod track;
 
 pub use auto::{Choice, Fall};
+pub use base::{Base, BaseError};
 pub use perform::{Performance, perform, perform_by};
 pub use ragdoll::{Drive, Helped};
 pub use root_motion::RootMotion;
@@ -36,6 +38,7 @@ use crate::model::scenario::Scenario;
 use crate::model::{Body, Clip, ClipReport, Prop};
 use crate::rig::Rig;
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// How to bake.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,6 +53,8 @@ pub struct BakeOptions {
     pub root: RootMotion,
     /// Who moves the body.
     pub drive: Drive,
+    /// What it starts from and returns to, on the body that is baked.
+    pub base: Option<Arc<Base>>,
 }
 
 /// A baked clip and what is known of it.
@@ -82,6 +87,9 @@ pub enum BakeError {
         /// What became infinite, flew away or came apart.
         what: String,
     },
+    /// The base clip cannot be one.
+    #[error(transparent)]
+    Base(#[from] base::BaseError),
     /// The articulated body cannot play that yet.
     #[error("the ragdoll cannot play {parts} yet; bake with `--drive stepper`")]
     Unplayed {
@@ -92,7 +100,7 @@ pub enum BakeError {
 
 impl Default for BakeOptions {
     fn default() -> BakeOptions {
-        BakeOptions { name: None, fps: 30.0, seed: None, root: RootMotion::Root, drive: Drive::Stepper }
+        BakeOptions { name: None, fps: 30.0, seed: None, root: RootMotion::Root, drive: Drive::Stepper, base: None }
     }
 }
 
@@ -114,7 +122,7 @@ fn bake_by(rig: &Rig, scenario: &Scenario, options: &BakeOptions, drive: Drive) 
         None => rig.body.clone(),
     };
     let seed = options.seed.unwrap_or(scenario.seed);
-    let performance = perform_by(&body, scenario, seed, drive)?;
+    let performance = perform::perform_over(&body, scenario, seed, drive, options.base.as_ref())?;
     let name = options.name.clone().unwrap_or_else(|| safe_name(&scenario.title));
     let timeline = &performance.timeline;
     let heights = footing::heights(&performance);

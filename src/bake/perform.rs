@@ -3,6 +3,7 @@
 //! stepper run -> foot curves and upper-body springs -> poses -> reach envelope and balance filter, a few times over.
 //! Scenario space, SI. What comes out is a [`Timeline`] that gives the pose at any time; keys are made elsewhere.
 
+use super::base::{self, Base, Stood};
 use super::carried::{self, Carried};
 use super::contacts::{self, FootContact};
 use super::ragdoll::{self, Drive};
@@ -21,6 +22,7 @@ use crate::whole_body::reaction::{Personality, Reaction, Senses, UpperAngles};
 use crate::whole_body::solve::Solved;
 use crate::whole_body::{Anatomy, Solver, stand};
 use glam::{DVec2, DVec3};
+use std::sync::Arc;
 
 /// Passes of reach envelope and balance filter: measured, each still brings the ZMP home a little (nine of them:
 /// two thirds of the clips with 95 % inside, fourteen: three quarters).
@@ -64,8 +66,21 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
 
 /// Runs the scenario on a body.
 pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> Result<Performance, BakeError> {
+    perform_over(body, scenario, seed, drive, None)
+}
+
+/// The same, starting from a base clip and returning to it.
+pub fn perform_over(
+    body: &Body,
+    scenario: &Scenario,
+    seed: u64,
+    drive: Drive,
+    base: Option<&Arc<Base>>,
+) -> Result<Performance, BakeError> {
     let anatomy = Anatomy::new(body);
+    let stood = base.map(|base| Stood::new(base.clone(), body, &anatomy)).transpose()?;
     let physique = stand::physique(body, &anatomy);
+    let physique = stood.as_ref().map_or(physique, |stood| stood.physique(&physique));
     let (carried, loads) = carried::carried(body, &anatomy, scenario);
     let options = SimulateOptions {
         duration: scenario.duration,
@@ -145,7 +160,11 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
         Some(_) => steps,
         None => footing::sooner(&steps, &physique, &cop, trace.dt, scale),
     };
-    let (start, steps) = footing::grounded(body, &terrain, &trace.start, &steps);
+    let (start, mut steps) = footing::grounded(body, &terrain, &trace.start, &steps);
+    let facing = ticks.last().map_or(0.0, |tick| tick.facing);
+    let home = trace.lost.is_none()
+        && trace.aloft.is_none()
+        && stood.as_ref().is_some_and(|stood| stood.come_home(&start, &mut steps, facing, body));
     let bases = footing::bases(body, &terrain, &start, &steps, trace.dt, count);
     let height = |index: usize| {
         let standing = script.physiques.get(index).unwrap_or(&physique).com_height;
@@ -156,21 +175,41 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
         .iter()
         .enumerate()
         .map(|(index, tick)| DVec3::new(tick.com.x, if real { tick.com.y } else { height(index) }, tick.com.z));
+    let mut com: Vec<DVec3> = path.collect();
+    let mut upper = upper_body(ticks, trace.dt, (&physique, &script.physiques), seed, scenario);
+    let left = left_over(&steps, &pushes, trace.dt, count);
+    if let Some(stood) = &stood {
+        let ends = stood.rests(&start, &steps, facing);
+        let off = if home { ends - com[count - 1] } else { DVec3::ZERO };
+        for (index, com) in com.iter_mut().enumerate() {
+            *com += stood.sway(index as f64 * trace.dt) + off * DVec3::new(1.0, 0.0, 1.0) * (1.0 - left[index]);
+        }
+        if home {
+            for (angles, left) in upper.iter_mut().zip(&left) {
+                angles.iter_mut().enumerate().filter(|(entry, _)| *entry != 6).for_each(|(_, angle)| *angle *= left);
+            }
+        }
+    }
     let mut timeline = Timeline {
         body: body.clone(),
         anatomy,
         dt: trace.dt,
         still_until,
         surprises: pushes.iter().map(|push| push.start).collect(),
-        com: path.collect(),
+        com,
         shift: vec![DVec3::ZERO; count],
         lowering: vec![0.0; count],
         walking: walking(ticks, trace.dt, scale),
         bends: [Vec::new(), Vec::new()],
         pelvis: [Vec::new(), Vec::new()],
-        upper: upper_body(ticks, trace.dt, (&physique, &script.physiques), seed, scenario),
+        upper,
         drawn: articulated.as_ref().map_or(Vec::new(), |run| run.run.upper[..count].to_vec()),
-        feet: feet::FootCurves::new(body, &physique, &start, &steps, still_until, scale, &terrain),
+        feet: match &stood {
+            Some(stood) => feet::FootCurves::new(body, &physique, &start, &steps, still_until, scale, &terrain)
+                .over(stood.feet_and_balls()),
+            None => feet::FootCurves::new(body, &physique, &start, &steps, still_until, scale, &terrain),
+        },
+        stood,
         fallen: Vec::new(),
         terrain,
         carried,
@@ -205,6 +244,11 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
     let solved = timeline.solve_all();
     // The swinging legs' mass moves the hips: the bends stay, so that this lowering is the one that they need.
     reach::lower_into_reach(&mut timeline, &solved, scale, &care, damping(PASSES));
+    if home {
+        for (lowering, left) in timeline.lowering.iter_mut().zip(&left) {
+            *lowering *= left;
+        }
+    }
     let mut lost = trace.lost;
     if lost.is_some()
         && let Some(held) = held_until(&timeline)
@@ -222,6 +266,13 @@ pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> 
     }
     let contacts = timeline.feet.contacts(timeline.stands());
     Ok(Performance { timeline, trace, lost, contacts, pushes, balls, physique, zmp_before_pass, articulated })
+}
+
+/// How much of the reaction is left at each entry, on its way back to the base clip.
+fn left_over(steps: &[Step], pushes: &[KnownPush], dt: f64, count: usize) -> Vec<f64> {
+    let busy = steps.iter().map(|step| step.land).chain(pushes.iter().map(|push| push.end)).fold(0.0, f64::max);
+    let end = (count - 1) as f64 * dt;
+    (0..count).map(|index| base::stand::left_over(index as f64 * dt, busy, end)).collect()
 }
 
 /// How much the lowering holds on to the last pass's: little while it finds its place, more as it settles.

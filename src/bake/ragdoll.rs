@@ -78,6 +78,7 @@ pub fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
     part(!scenario.crouch.is_empty(), "[[crouch]]");
     part(scenario.character.crouch > 0.0, "[character] crouch");
     part(!scenario.stand.is_empty(), "[[stand]]");
+    part(scenario.base.is_some(), "[base]");
     parts
 }
 

@@ -159,7 +159,9 @@ fn need_at(timeline: &Timeline, index: usize, pose: &Solved) -> f64 {
         let landed = 1.0 - smooth3(timeline.feet.since_landing(side, time) / LANDING);
         // An articulated body bends the knees that it lands on itself.
         let bend = if timeline.drawn.is_empty() { LANDING_BEND + (WALKING_BEND - LANDING_BEND) * walking } else { 0.0 };
-        let reach = leg * (PLANTED_REACH - bend * landed + 0.05 * freedom);
+        // A base clip may stand on straighter legs.
+        let straightest = timeline.stood.as_ref().map_or(0.0, |stood| stood.reach[side as usize] + 1e-4);
+        let reach = leg * (PLANTED_REACH.max(straightest) - bend * landed + 0.05 * freedom);
         let hip = pose.hips[side as usize];
         let ankle = timeline.feet.at(side, time).ankle;
         let flat = (hip - ankle) * DVec3::new(1.0, 0.0, 1.0);

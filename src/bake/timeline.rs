@@ -4,6 +4,7 @@
 //! The passes of `reach` and `balance` change `shift` and `lowering` only: what the stepper said stays beside them.
 
 use super::carried::{self, Carried};
+use super::base::Stood;
 use super::feet::FootCurves;
 use crate::maths::curve::{sample, smooth3};
 use crate::maths::quat::rotation_vector;
@@ -52,6 +53,8 @@ pub struct Timeline {
     pub feet: FootCurves,
     /// What they stand on.
     pub terrain: Terrain,
+    /// The base clip that all this is laid over.
+    pub stood: Option<Stood>,
     /// When the hands hold what.
     pub carried: Vec<Carried>,
     /// The boxes in them, one each.
@@ -125,7 +128,9 @@ impl Timeline {
     /// Poses at every entry, and what each solve reports.
     pub fn solve_all(&self) -> Vec<Solved> {
         let mut solver = Solver::new(&self.body, &self.anatomy);
-        (0..self.com.len()).map(|index| solver.solve(&self.target(index))).collect()
+        (0..self.com.len())
+            .map(|index| self.solved(&mut solver, &self.target(index), index as f64 * self.dt))
+            .collect()
     }
 
     /// The pose at any time.
@@ -144,7 +149,15 @@ impl Timeline {
                 turns: from.turns.iter().zip(&to.turns).map(|(from, to)| from.slerp(*to, share)).collect(),
             };
         }
-        Solver::new(&self.body, &self.anatomy).solve(&self.target_at(time)).pose
+        self.solved(&mut Solver::new(&self.body, &self.anatomy), &self.target_at(time), time).pose
+    }
+
+    /// The pose for a target, laid over the base clip where there is one.
+    fn solved(&self, solver: &mut Solver, target: &PoseTarget, time: f64) -> Solved {
+        match &self.stood {
+            None => solver.solve(target),
+            Some(stood) => solver.solve_over(target, Some((&stood.neutral, &stood.pose(time)))),
+        }
     }
 
     /// The articulated body's upper body at a time, between its ticks by slerp.

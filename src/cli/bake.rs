@@ -48,7 +48,9 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         warn(format!("{}: {warning}", args.rig.display()));
     }
 
-    let baked = parts::bake(&rig, &scenario, args)?;
+    let base = resolve::base(&rig, &scenario, args)?;
+    inputs.extend(base.as_ref().map(|base| base.0.clone()));
+    let baked = parts::bake(&rig, &scenario, base.map(|base| base.1), args)?;
     for warning in &baked.warnings {
         warn(warning.clone());
     }

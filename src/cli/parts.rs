@@ -2,13 +2,14 @@
 
 use super::args::{self, Assist, BakeArgs, Root};
 use super::exit_code::Failure;
-use crate::bake::{BakeError, BakeOptions, Baked, Drive, Helped, RootMotion};
+use crate::bake::{Base, BakeError, BakeOptions, Baked, Drive, Helped, RootMotion};
 use crate::model::{Clip, ClipReport, Prop, Scenario};
 use crate::rig::mannequin::{BUILTIN, MannequinOptions, mannequin};
 use crate::rig::{Rig, RigError, clips};
 use crate::{bake, export, picture, rig};
 use std::cell::RefCell;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Moments on a contact sheet.
 const MOMENTS: usize = 10;
@@ -38,7 +39,7 @@ pub fn new_rig(height: Option<f64>, leg_scale: Option<f64>) -> Vec<u8> {
 }
 
 /// Runs a scenario on a rig.
-pub fn bake(rig: &Rig, scenario: &Scenario, args: &BakeArgs) -> Result<Baked, Failure> {
+pub fn bake(rig: &Rig, scenario: &Scenario, base: Option<Arc<Base>>, args: &BakeArgs) -> Result<Baked, Failure> {
     let root = match args.root {
         Root::Root => RootMotion::Root,
         Root::Hips => RootMotion::Hips,
@@ -56,9 +57,9 @@ pub fn bake(rig: &Rig, scenario: &Scenario, args: &BakeArgs) -> Result<Baked, Fa
         args::Drive::Stepper => Drive::Stepper,
         args::Drive::Ragdoll => Drive::Ragdoll(helped),
     };
-    let options = BakeOptions { name: args.clip.clone(), fps: args.fps, seed: args.seed, root, drive };
+    let options = BakeOptions { name: args.clip.clone(), fps: args.fps, seed: args.seed, root, drive, base };
     bake::bake(rig, scenario, &options).map_err(|error| match error {
-        BakeError::Unplayed { .. } => Failure::bad_input(error.to_string()),
+        BakeError::Unplayed { .. } | BakeError::Base(_) => Failure::bad_input(error.to_string()),
         error => Failure::failed(error.to_string()),
     })
 }

@@ -46,6 +46,37 @@ pub fn rig(path: &Path) -> Result<RigInput, Failure> {
     Ok(RigInput { rig, files })
 }
 
+/// The scenario's base clip on the rig, and the file that it is from: `file` beside the scenario, else the rig's own.
+pub fn base(rig: &Rig, scenario: &Scenario, args: &BakeArgs) -> Result<Option<(PathBuf, Arc<Base>)>, Failure> {
+    let Some(base) = &scenario.base else { return Ok(None) };
+    let path = match &base.file {
+        Some(file) => {
+            let folder = args.scenario.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+            folder.join(file)
+        }
+        None if args.rig.as_os_str() == "builtin" => {
+            return Err(Failure::bad_input(
+                "[base]: the built-in rig has no clips of its own\n  help: name a motion file: file = \"walk.bvh\"".to_owned(),
+            ));
+        }
+        None => args.rig.clone(),
+    };
+    let bad = |error: String| Failure::bad_input(format!("[base]: {error}"));
+    plain_file(&path, "a base clip is in a .bvh, .fbx, .glb, .gltf, .vrm or .vrma file")?;
+    let file = mocap::load(&path).map_err(|error| bad(error.to_string()))?;
+    let clip = match &base.clip {
+        Some(name) => file.find(name).map_err(|error| bad(error.to_string()))?,
+        None if file.clips.len() == 1 => 0,
+        None => {
+            let names = file.clips.join(", ");
+            return Err(bad(format!("{} has several clips: name one with clip = \"...\": {names}", path.display())));
+        }
+    };
+    let reading = file.reading(clip, &mocap::Options::default()).map_err(|error| bad(error.to_string()))?;
+    let base = bake::base::prepare(rig, scenario, &reading).map_err(|error| bad(error.to_string()))?;
+    Ok(Some((path, Arc::new(base))))
+}
+
 /// Reads a scenario and refuses what cannot be baked yet, with file and line.
 pub fn scenario(path: &Path) -> Result<Scenario, Failure> {
     let (scenario, source) = read_scenario(path)?;

@@ -23,7 +23,7 @@ pub use body::{Body, BodyJoint, Flesh, FootShape, Segment, Side};
 pub use capture::Capture;
 pub use clip::{Channel, Clip, Interpolation, KeyValues, Target};
 pub use load::Load;
-pub use physique::{Physique, Plant};
+pub use physique::{Physique, Plant, Stance};
 pub use pose::BodyPose;
 pub use props::Prop;
 pub use report::ClipReport;

@@ -2,7 +2,7 @@
 //!
 //! Scenario space, SI units.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// What the controller needs to know of a body, measured in its natural stand.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +29,21 @@ pub struct Physique {
     pub tip: f64,
     /// m, half of the sole's width.
     pub half_width: f64,
+    /// How it stands at rest, where that is not the natural stand: feet side by side.
+    pub stance: Option<Stance>,
+}
+
+/// How a body stands at rest. Ground plane as it faces: (left, ahead), m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stance {
+    /// Where the middle of the ankles is at first, (x, z).
+    pub middle: DVec2,
+    /// The left ankle, from the right one.
+    pub apart: DVec2,
+    /// The centre of mass, from the middle of the ankles.
+    pub over: DVec2,
+    /// rad, how far each foot is turned from where the body faces; the left is positive about +Y.
+    pub yaws: [f64; 2],
 }
 
 /// A foot set on the ground.
@@ -63,5 +78,6 @@ impl Physique {
         heel: -0.07,
         tip: 0.18,
         half_width: 0.045,
+        stance: None,
     };
 }

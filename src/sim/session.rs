@@ -68,7 +68,7 @@ impl Session {
     /// At rest, the ankles' middle over the origin, facing +Z.
     pub fn new(physique: &Physique, terrain: &Terrain, style: &Style, dt: f64) -> Session {
         let params = Params::new(physique, style);
-        let state = State::standing(&params, physique, terrain, DVec2::ZERO, 0.0);
+        let state = State::standing(&params, physique, terrain, params.stance.middle, 0.0);
         let mut session = Session {
             params,
             physique: *physique,
@@ -106,7 +106,7 @@ impl Session {
         if self.state.tick == 0 && amount > 0.0 {
             self.crouch.x = amount.min(DEEPEST);
             self.adapt();
-            self.state = State::standing(&self.params, &self.physique, &self.terrain, DVec2::ZERO, 0.0);
+            self.state = State::standing(&self.params, &self.physique, &self.terrain, self.params.stance.middle, 0.0);
             self.last = self.record(&Inputs::default());
         }
     }

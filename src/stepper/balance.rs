@@ -30,7 +30,7 @@ pub fn pressure(params: &Params, physique: &Physique, state: &State) -> DVec2 {
             return sole.nearest(xi);
         }
         let time = if intent.kind == StepKind::Comfort { params.comfort_swing } else { params.follow_swing };
-        let fin = middle_after(params, physique, state, intent.side);
+        let fin = middle_after(params, state, intent.side);
         let pivot = pendulum::pivot_for(xi, fin, state.omega(), time);
         if intent.committed {
             return sole.nearest(pivot);

@@ -31,7 +31,7 @@ pub fn decide(params: &Params, physique: &Physique, state: &mut State) {
         state.intent = Some(choose(params, physique, state));
         return;
     }
-    if discomfort(params, physique, state) <= 1.0 {
+    if discomfort(params, state) <= 1.0 {
         state.intent = None;
         return;
     }
@@ -132,7 +132,7 @@ pub fn lift(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut
     let to = if intent.kind == StepKind::Corrective {
         corrective(params, physique, state, intent.side, intent.passing, (ticks * dt, ticks * dt)).plant
     } else {
-        beside(params, physique, state, intent.side)
+        beside(params, state, intent.side)
     };
     let land = state.time + ticks * dt;
     let aim = ground(to.ankle);
@@ -165,7 +165,7 @@ fn may_follow(params: &Params, physique: &Physique, state: &State, intent: &Inte
     let time = if intent.kind == StepKind::Comfort { params.comfort_swing } else { params.follow_swing };
     let stance = &state.feet[intent.side.other() as usize];
     let sole = Support::one(params, physique, stance, Tread::Whole, params.margin);
-    let fin = middle_after(params, physique, state, intent.side);
+    let fin = middle_after(params, state, intent.side);
     let pivot = pendulum::pivot_for(state.xi(), fin, state.omega(), time);
     if intent.committed {
         return followed(params, physique, state, intent.side, time).1.length() < 0.06 * params.size;
@@ -187,10 +187,10 @@ fn trailing(params: &Params, physique: &Physique, state: &State, side: Side) -> 
 /// outside of both feet, steered as well as may be.
 fn followed(params: &Params, physique: &Physique, state: &State, side: Side, time: f64) -> (Plant, DVec2) {
     let stance = &state.feet[side.other() as usize];
-    let comfortable = beside(params, physique, state, side);
+    let comfortable = beside(params, state, side);
     let area = Support::two(params, physique, [stance, &comfortable], [Tread::Whole; 2], 2.0 * params.margin);
     let sole = Support::one(params, physique, stance, Tread::Whole, params.margin);
-    let fin = middle_after(params, physique, state, side);
+    let fin = middle_after(params, state, side);
     let xi = state.xi();
     let pivot = sole.nearest(pendulum::pivot_for(xi, fin, state.omega(), time));
     let lands = pivot + (xi - pivot) * (state.omega() * time).exp();
@@ -239,14 +239,15 @@ fn landing(params: &Params, physique: &Physique, state: &State, swing: &Swing, y
 }
 
 /// How uncomfortable the stand is; over 1 it wants mending.
-fn discomfort(params: &Params, physique: &Physique, state: &State) -> f64 {
+fn discomfort(params: &Params, state: &State) -> f64 {
     let [left_foot, right_foot] = ankles(state);
     let apart = left_foot - right_foot;
-    let wide = (apart.dot(state.aside()) - params.width).abs() / (params.widen * params.width);
-    let staggered = apart.dot(state.ahead).abs() / params.stagger;
+    let stance = &params.stance;
+    let wide = (apart.dot(state.aside()) - stance.apart.x).abs() / (params.widen * params.width);
+    let staggered = (apart.dot(state.ahead) - stance.apart.y).abs() / params.stagger;
     let twisted = Side::BOTH
         .into_iter()
-        .map(|side| wrap(state.feet[side as usize].yaw - state.facing - side.sign() * physique.toe_out).abs())
+        .map(|side| wrap(state.feet[side as usize].yaw - state.facing - stance.yaws[side as usize]).abs())
         .fold(0.0, f64::max)
         / params.twist;
     wide.max(staggered).max(twisted)

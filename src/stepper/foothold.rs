@@ -80,7 +80,8 @@ pub fn corrective(
             Passing::Behind => ankle -= ahead * (clear + before).max(0.0) * f64::from(clear > 0.0),
         }
     }
-    let plant = Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), state.facing + side.sign() * physique.toe_out);
+    let yaw = state.facing + params.stance.yaws[side as usize];
+    let plant = Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), yaw);
     let plant = footing::apart(physique, stance, &plant, side, footing::ROOM * params.size);
     let ankle = ground(plant.ankle);
     let across = (-(ankle - ground(stance.ankle)).dot(out)).max(0.0);
@@ -114,23 +115,25 @@ fn clearance(params: &Params, foot: f64, beside: f64) -> f64 {
     ramp * (params.pass + (foot + params.margin - params.pass).max(0.0) * line)
 }
 
-/// Beside the other foot, as in the natural stand.
-pub fn beside(params: &Params, physique: &Physique, state: &State, side: Side) -> Plant {
-    let stance = ground(state.feet[side.other() as usize].ankle);
-    let ankle = stance + state.aside() * (side.sign() * params.width);
-    Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), state.facing + side.sign() * physique.toe_out)
+/// Where that foot is at ease beside the other one.
+pub fn beside(params: &Params, state: &State, side: Side) -> Plant {
+    let other = ground(state.feet[side.other() as usize].ankle);
+    let apart = params.stance.apart * side.sign();
+    let ankle = other + state.aside() * apart.x + state.ahead * apart.y;
+    Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), state.facing + params.stance.yaws[side as usize])
 }
 
 /// The point over which the body stands at ease on those two ankles.
 pub fn middle(params: &Params, ahead: DVec2, ankles: [DVec2; 2]) -> DVec2 {
-    (ankles[0] + ankles[1]) * 0.5 + ahead * params.com_forward
+    (ankles[0] + ankles[1]) * 0.5 + DVec2::new(ahead.y, -ahead.x) * params.stance.over.x + ahead * params.stance.over.y
 }
 
 /// The point to stand over once `side` has come beside the other.
-pub fn middle_after(params: &Params, physique: &Physique, state: &State, side: Side) -> DVec2 {
+pub fn middle_after(params: &Params, state: &State, side: Side) -> DVec2 {
     let stance = ground(state.feet[side.other() as usize].ankle);
-    let to = ground(beside(params, physique, state, side).ankle);
-    middle(params, state.ahead, [stance, to])
+    let to = ground(beside(params, state, side).ankle);
+    let ankles = if side == Side::Left { [to, stance] } else { [stance, to] };
+    middle(params, state.ahead, ankles)
 }
 
 /// Both ankles on the ground, left and right.

@@ -5,7 +5,8 @@
 
 use super::{Physique, SupportModel};
 use crate::maths::pendulum::GRAVITY;
-use crate::model::Side;
+use crate::model::{Side, Stance};
+use glam::DVec2;
 
 /// What makes the controller step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,6 +76,7 @@ pub struct Params {
     // The body's stand.
     pub width: f64,       // m, ankle to ankle
     pub com_forward: f64, // m, centre of mass ahead of the ankles
+    pub stance: Stance,   // at rest
     pub tempo: f64,       // times of the reference body are multiplied by this
     pub size: f64,        // lengths likewise
     // Spring leg.
@@ -167,12 +169,20 @@ impl Params {
         let leg = physique.leg_length * 0.995;
         let legs_reach = (leg * leg - hip_low * hip_low).max(0.04 * leg * leg).sqrt();
         let gap = (0.14 * physique.leg_length).max(2.0 * physique.half_width + 0.01 * size).min(0.95 * width);
+        let com_forward = physique.com_forward.min(physique.tip - 2.0 * margin).max(physique.heel + 2.0 * margin);
+        let natural = Stance {
+            middle: DVec2::ZERO,
+            apart: DVec2::new(width, 0.0),
+            over: DVec2::new(0.0, com_forward),
+            yaws: [physique.toe_out, -physique.toe_out],
+        };
         Params {
             lead: style.lead,
             trigger: style.trigger,
             support: style.support,
             width,
-            com_forward: physique.com_forward.min(physique.tip - 2.0 * margin).max(physique.heel + 2.0 * margin),
+            com_forward,
+            stance: physique.stance.unwrap_or(natural),
             tempo,
             size,
             spring: 23.6 * weight / physique.leg_length, // 25 kN/m for the reference body

@@ -160,12 +160,14 @@ impl State {
     /// At rest, the ankles' middle over `place`, facing `facing`.
     pub fn standing(params: &Params, physique: &Physique, terrain: &Terrain, place: DVec2, facing: f64) -> State {
         let feet = Side::BOTH.map(|side| {
-            let ankle = place + support::left(facing) * (side.sign() * 0.5 * params.width);
-            footing::set_down(terrain, physique, ankle, facing + side.sign() * physique.toe_out, 0.0)
+            let apart = params.stance.apart * (0.5 * side.sign());
+            let ankle = place + support::left(facing) * apart.x + support::forward(facing) * apart.y;
+            footing::set_down(terrain, physique, ankle, facing + params.stance.yaws[side as usize], 0.0)
         });
         let held = feet.each_ref().map(|foot| footing::to_ground(foot, terrain.turn(0.0)));
         let hold = |margin: f64| Support::two(params, physique, [&feet[0], &feet[1]], [Tread::Whole; 2], margin);
-        let over = place + support::forward(facing) * params.com_forward;
+        let over = params.stance.over;
+        let over = place + support::left(facing) * over.x + support::forward(facing) * over.y;
         State {
             tick: 0,
             time: 0.0,

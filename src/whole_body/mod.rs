@@ -5,6 +5,7 @@
 
 pub mod anatomy;
 pub mod grip;
+pub mod overlay;
 pub mod reaction;
 pub mod solve;
 pub mod stand;
@@ -12,4 +13,5 @@ pub mod stride;
 
 pub use anatomy::Anatomy;
 pub use grip::Grip;
+pub use overlay::{BasePose, Neutral};
 pub use solve::{ArmAngles, FootTarget, Hold, PoseTarget, Solver};

@@ -176,6 +176,8 @@ impl Reaction {
     fn tick_pelvis(&mut self, senses: &Senses, walking: f64, scale: f64, dt: f64) {
         let between = senses.feet[0].ankle - senses.feet[1].ankle;
         let ahead = between.x * senses.facing.sin() + between.z * senses.facing.cos(); // left foot ahead of the right
+        // More so than at rest.
+        let ahead = ahead - self.physique.stance.map_or(0.0, |stance| stance.apart.y);
         // In a stand the pelvis turns to where the feet stand; in a walk `stride` turns it.
         let yaw = -soft_limit(1.1 * ahead / self.physique.leg_length, 16_f64.to_radians()) * (1.0 - walking);
         self.pelvis_yaw.step(yaw, TAU * 1.8 / scale, 0.9, dt);
@@ -188,8 +190,9 @@ impl Reaction {
     }
 
     fn tick_alarm(&mut self, senses: &Senses, walking: f64, local: &dyn Fn(DVec3) -> DVec2, scale: f64, dt: f64) {
-        let ahead = DVec3::new(senses.facing.sin(), 0.0, senses.facing.cos()) * self.physique.com_forward;
-        let middle = (senses.feet[0].ankle + senses.feet[1].ankle) * 0.5 + ahead;
+        let over = self.physique.stance.map_or(DVec2::new(0.0, self.physique.com_forward), |stance| stance.over);
+        let over = DQuat::from_rotation_y(senses.facing) * DVec3::new(over.x, 0.0, over.y);
+        let middle = (senses.feet[0].ankle + senses.feet[1].ankle) * 0.5 + over;
         let standing = local(DVec3::new(senses.xi.x, 0.0, senses.xi.y) - middle) / self.physique.leg_length;
         // A walker is alarmed by speed that it did not mean to have.
         let unmeant = (senses.velocity - senses.wanted) / (GRAVITY * self.physique.com_height).sqrt();

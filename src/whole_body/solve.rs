@@ -5,6 +5,7 @@
 //! error). A foot that is out of reach stays on its leg's line; the caller keeps it in reach and is told the excess.
 
 use super::anatomy::Anatomy;
+use super::overlay::{BasePose, Neutral};
 use crate::maths::curve::smooth3;
 use crate::maths::quat::{limb_frame, yaw_of};
 use crate::maths::two_bone_ik::two_bone_ik;
@@ -136,9 +137,26 @@ impl<'a> Solver<'a> {
 
     /// The pose for a target.
     pub fn solve(&mut self, target: &PoseTarget) -> Solved {
+        self.solve_over(target, None)
+    }
+
+    /// Turns of the upper body alone; the legs are left at rest.
+    pub(super) fn upper(&self, target: &PoseTarget) -> Vec<DQuat> {
+        let mut pose = BodyPose { hips: DVec3::ZERO, turns: vec![DQuat::IDENTITY; self.body.joints.len()] };
+        self.pose_upper(target, &mut pose);
+        pose.turns
+    }
+
+    /// The same, laid over a base clip's pose.
+    pub fn solve_over(&mut self, target: &PoseTarget, over: Option<(&Neutral, &BasePose)>) -> Solved {
         let body = self.body;
         let mut pose = BodyPose { hips: target.com, turns: vec![DQuat::IDENTITY; body.joints.len()] };
         self.pose_upper(target, &mut pose);
+        if let Some((neutral, base)) = over {
+            neutral.lay(&mut pose.turns, base, target.hold.map_or(0.0, |hold| hold.weight));
+            self.hold_unanimated(&mut pose.turns);
+        }
+        let over = over.map(|(_, base)| base);
         // The upper body's moment about the hips does not change while the pelvis moves.
         pose.hips = DVec3::ZERO;
         pose.positions_into(body, &mut self.positions);
@@ -161,7 +179,7 @@ impl<'a> Solver<'a> {
         for _ in 0..MOST_PASSES {
             let mut moment = upper_moment + pose.hips * upper_mass;
             for side in Side::BOTH {
-                let (hip, leg) = self.pose_leg(target, side, &mut pose);
+                let (hip, leg) = self.pose_leg(target, side, over, &mut pose);
                 hips[side as usize] = hip;
                 solved[side as usize] = leg;
             }
@@ -266,6 +284,7 @@ impl<'a> Solver<'a> {
         &mut self,
         target: &PoseTarget,
         side: Side,
+        over: Option<&BasePose>,
         pose: &mut BodyPose,
     ) -> (DVec3, crate::maths::two_bone_ik::TwoBone) {
         let (body, leg, foot) = (self.body, &self.anatomy.legs[side as usize], &target.feet[side as usize]);
@@ -280,8 +299,14 @@ impl<'a> Solver<'a> {
             Some(bend) => hip + (foot.ankle - hip).normalize_or(DVec3::NEG_Y) * leg.length_at(bend),
             None => soft_reach(hip, foot.ankle, leg.length(), foot.soft),
         };
-        let pole = knee_pole(ankle - hip, yaw);
-        let reach = |ankle: DVec3| two_bone_ik(hip, ankle, leg.thigh_length, leg.shank_length, pole, STRAIGHTEST);
+        let mut pole = knee_pole(ankle - hip, yaw);
+        let mut straightest = STRAIGHTEST;
+        if let Some(base) = over {
+            let swivel = base.knees[side as usize];
+            pole = DQuat::from_axis_angle((ankle - hip).normalize_or(DVec3::NEG_Y), swivel) * pole;
+            straightest = base.straightest[side as usize];
+        }
+        let reach = |ankle: DVec3| two_bone_ik(hip, ankle, leg.thigh_length, leg.shank_length, pole, straightest);
         let mut chain = reach(ankle);
         if !body.joints[leg.foot].animated {
             // A foot that is one with its shank leans with it: the ankle is where its lowest point is as low as it should be.
@@ -301,6 +326,11 @@ impl<'a> Solver<'a> {
         }
         pose.turns[leg.upper] = limb_frame(chain.middle - hip, chain.hinge) * leg.thigh_from_rest;
         pose.turns[leg.lower] = limb_frame(chain.end - chain.middle, chain.hinge) * leg.shank_from_rest;
+        if let Some(base) = over {
+            let [thigh, shank] = base.twists[side as usize];
+            pose.turns[leg.upper] *= thigh;
+            pose.turns[leg.lower] *= shank;
+        }
         pose.turns[leg.foot] = if body.joints[leg.foot].animated { foot.foot } else { pose.turns[leg.lower] };
         self.positions[leg.upper] = hip;
         self.positions[leg.lower] = chain.middle;
@@ -315,7 +345,7 @@ impl<'a> Solver<'a> {
 
 /// Where a knee points. Along a leg that reaches straight back (or forwards and up) "forwards" says nothing, and past there
 /// it would say the opposite: there the knee stays square to the body's own left instead.
-fn knee_pole(leg: DVec3, yaw: f64) -> DVec3 {
+pub(super) fn knee_pole(leg: DVec3, yaw: f64) -> DVec3 {
     let forwards = DVec3::new(yaw.sin(), 0.25, yaw.cos()).normalize();
     let axis = leg.normalize_or(DVec3::NEG_Y);
     let along = smooth3((axis.dot(forwards).abs() - 0.8) / 0.15);

@@ -136,6 +136,7 @@ pub fn physique_holding(body: &Body, anatomy: &Anatomy, hold: Option<Hold>) -> P
         heel,
         tip,
         half_width,
+        stance: None,
     }
 }
 

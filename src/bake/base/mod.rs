@@ -1,0 +1,145 @@
+//! The base clip: what the character does until it is disturbed, and goes back to.
+//!
+//! A [`Base`] is a clip on the body that is baked, judged once: a stand (both feet stay) or a walk. [`stand`] lays a reaction over a
+//! stand. Scenario space: metres, the ground at 0, the clip's own place and heading. What runs, jumps or sits is refused.
+
+mod foot;
+mod prepare;
+pub mod stand;
+
+pub use foot::FootOffset;
+pub use prepare::prepare;
+pub use stand::Stood;
+
+use crate::audit::contacts::footfalls;
+use crate::audit::track::Track;
+use crate::model::{BodyPose, Capture, Side};
+use crate::whole_body::{Anatomy, BasePose};
+use glam::{DQuat, DVec3};
+
+/// rad, mean over the joints: a clip whose last pose is this near to its first is a loop.
+const LOOPS: f64 = 2.5 * std::f64::consts::PI / 180.0;
+
+/// A clip to start from and to return to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Base {
+    /// Its name.
+    pub name: String,
+    /// Frames a second.
+    pub fps: f64,
+    /// It begins again where it ends.
+    pub loops: bool,
+    /// Sentences for a person.
+    pub notes: Vec<String>,
+    frames: Vec<BaseFrame>,
+}
+
+/// A frame of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BaseFrame {
+    /// m: hips, and turns.
+    pub pose: BodyPose,
+    /// m, centre of mass.
+    pub com: DVec3,
+    /// What is laid under a reaction.
+    pub base: BasePose,
+}
+
+/// Why a clip cannot be a base.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BaseError {
+    /// It has no frames.
+    #[error("the base clip \"{0}\" has no frames")]
+    Empty(String),
+    /// It neither stands nor walks.
+    #[error("the base clip \"{name}\" {what}. A base is a stand on both feet or a walk")]
+    Unfit {
+        /// The clip.
+        name: String,
+        /// What it does instead.
+        what: String,
+    },
+}
+
+impl Base {
+    /// Of a clip on the body that will be baked, in scenario space.
+    pub fn new(capture: &Capture) -> Result<Base, BaseError> {
+        let body = &capture.body;
+        if capture.frames() == 0 {
+            return Err(BaseError::Empty(capture.name.clone()));
+        }
+        let anatomy = Anatomy::new(body);
+        let frames: Vec<BaseFrame> = (0..capture.frames())
+            .map(|frame| {
+                let pose = BodyPose { hips: capture.at(frame)[0], turns: capture.turns_at(frame).to_vec() };
+                let positions = pose.positions(body);
+                let base = BasePose::of(body, &anatomy, &pose, &positions);
+                BaseFrame { com: pose.centre_of_mass(body, &positions), base, pose }
+            })
+            .collect();
+        let apart = |from: &BodyPose, to: &BodyPose| {
+            let off = from.turns.iter().zip(&to.turns).map(|(from, to)| from.angle_between(*to)).sum::<f64>();
+            off / from.turns.len().max(1) as f64
+        };
+        let loops = frames.len() > 2 && apart(&frames[0].pose, &frames[frames.len() - 1].pose) < LOOPS;
+        let mut base = Base { name: capture.name.clone(), fps: capture.fps, loops, notes: capture.notes.clone(), frames };
+        base.judge(capture)?;
+        Ok(base)
+    }
+
+    /// A stand keeps both feet on the ground from end to end.
+    fn judge(&mut self, capture: &Capture) -> Result<(), BaseError> {
+        let track = Track::new(capture);
+        let feet = footfalls(&track);
+        for side in Side::BOTH {
+            let off = feet.of[side as usize].iter().position(Option::is_none);
+            if let Some(frame) = off {
+                let side = if side == Side::Left { "left" } else { "right" };
+                let what = format!("lifts its {side} foot at frame {frame}");
+                return Err(BaseError::Unfit { name: self.name.clone(), what });
+            }
+        }
+        Ok(())
+    }
+
+    /// s, from its first frame to its last.
+    pub fn seconds(&self) -> f64 {
+        (self.frames.len() - 1) as f64 / self.fps
+    }
+
+    /// The frame at any time (s): begun again where it loops, else the last one is held.
+    pub fn at(&self, time: f64) -> BaseFrame {
+        let last = self.frames.len() - 1;
+        let mut place = (time * self.fps).max(0.0);
+        if self.loops && last > 0 {
+            place %= last as f64;
+        }
+        // Times that are whole frames are those frames.
+        if (place - place.round()).abs() < 1e-6 {
+            place = place.round();
+        }
+        let first = (place.floor() as usize).min(last);
+        let share = (place - first as f64).clamp(0.0, 1.0);
+        let (from, to) = (&self.frames[first], &self.frames[(first + 1).min(last)]);
+        if share == 0.0 {
+            return from.clone();
+        }
+        BaseFrame {
+            pose: BodyPose {
+                hips: from.pose.hips.lerp(to.pose.hips, share),
+                turns: slerped(&from.pose.turns, &to.pose.turns, share),
+            },
+            com: from.com.lerp(to.com, share),
+            base: from.base.between(&to.base, share),
+        }
+    }
+
+    /// All its frames.
+    pub fn frames(&self) -> &[BaseFrame] {
+        &self.frames
+    }
+}
+
+fn slerped(from: &[DQuat], to: &[DQuat], share: f64) -> Vec<DQuat> {
+    from.iter().zip(to).map(|(from, to)| from.slerp(*to, share)).collect()
+}

@@ -1,0 +1,158 @@
+//! A reaction laid over a base clip's pose: trunk, head and arms add what they do to what the clip does; hands and fingers keep
+//! the clip's; knees point where the clip's do. Scenario space, radians.
+//!
+//! The two priorities of the paper: balance (feet, centre of mass) is the solver's and is enforced; style is the clip's and fills
+//! what is left. At rest, with the clip's own feet and centre of mass, the solved pose is the clip's.
+
+use super::anatomy::Anatomy;
+use super::reaction::{UPPER, upper_turns};
+use super::solve::{PoseTarget, STRAIGHTEST, Solver, knee_pole};
+use super::stand::natural_plants;
+use super::stand::{foot_yaw, stand_target};
+use crate::maths::curve::smooth3;
+use crate::maths::quat::limb_frame;
+use crate::maths::two_bone_ik::two_bone_ik;
+use crate::model::{Body, BodyPose, Side};
+use glam::{DQuat, DVec3};
+
+/// m: a knee that is off the line from hip to ankle by less than the first says nothing of where it points, by more than the second all.
+const OFF_LINE: [f64; 2] = [0.002, 0.006];
+/// The straightest leg that a base clip may show.
+const LOCKED: f64 = 0.99999;
+
+/// A base clip's pose, the pelvis of the stand facing +Z, as a reaction is laid over it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BasePose {
+    /// Global turns from rest, one a joint.
+    pub turns: Vec<DQuat>,
+    /// rad, how far each knee points off where the solver would have it, about the line from hip to ankle.
+    pub knees: [f64; 2],
+    /// What thigh and shank are turned about their own length.
+    pub twists: [[DQuat; 2]; 2],
+    /// Part of the leg's length that each leg of the clip uses: it may be straighter than the solver's.
+    pub straightest: [f64; 2],
+}
+
+/// What the solver poses where nothing happens: what a reaction is measured from.
+#[derive(Clone, Debug)]
+pub struct Neutral {
+    turns: Vec<DQuat>,
+    chest: usize,
+    arms: [Vec<usize>; 2], // collar bone to fingers
+    lower: [usize; 2],
+    rigid: Vec<bool>, // of a joint: it keeps to the forearm as in the clip
+}
+
+impl Neutral {
+    /// Of a body.
+    pub fn new(body: &Body, anatomy: &Anatomy) -> Neutral {
+        let stand = stand_target(body, &natural_plants(0.2, 0.0), DVec3::Y, 0.0);
+        let (pelvis, chest, head, arms) = upper_turns(&[0.0; UPPER]);
+        let target = PoseTarget { pelvis, chest, head, arms, ..stand };
+        let turns = Solver::new(body, anatomy).upper(&target);
+        let mut rigid = vec![false; turns.len()];
+        let mut chains = [Vec::new(), Vec::new()];
+        for side in Side::BOTH {
+            let arm = &anatomy.arms[side as usize];
+            let root = arm.shoulder.unwrap_or(arm.upper);
+            let chain = &mut chains[side as usize];
+            for joint in 0..turns.len() {
+                let hangs = body.joints[joint].parent.is_some_and(|parent| chain.contains(&parent));
+                if joint == root || joint == arm.upper || hangs {
+                    chain.push(joint);
+                    rigid[joint] = ![Some(root), Some(arm.upper), Some(arm.lower)].contains(&Some(joint));
+                }
+            }
+        }
+        let chest = anatomy.spine.last().copied().unwrap_or(0);
+        Neutral { turns, chest, arms: chains, lower: [anatomy.arms[0].lower, anatomy.arms[1].lower], rigid }
+    }
+
+    /// Lays the reaction of `turns` (global, facing anywhere) over the base. Legs are not touched.
+    pub(super) fn lay(&self, turns: &mut [DQuat], base: &BasePose, holds: f64) {
+        let reaction = turns.to_vec();
+        let arm = |joint: usize| Side::BOTH.into_iter().find(|side| self.arms[*side as usize].contains(&joint));
+        for (joint, turn) in turns.iter_mut().enumerate() {
+            if arm(joint).is_none() {
+                *turn = reaction[joint] * self.turns[joint].inverse() * base.turns[joint];
+            }
+        }
+        let chest = turns[self.chest];
+        let (reacts, rests) = (reaction[self.chest].inverse(), self.turns[self.chest].inverse());
+        let stands = base.turns[self.chest].inverse();
+        for side in Side::BOTH {
+            for &joint in &self.arms[side as usize] {
+                let moved = if self.rigid[joint] { self.lower[side as usize] } else { joint };
+                let by = (reacts * reaction[moved]) * (rests * self.turns[moved]).inverse();
+                let laid = chest * by * (stands * base.turns[joint]);
+                turns[joint] = if holds > 0.0 { laid.slerp(reaction[joint], holds) } else { laid };
+            }
+        }
+        for turn in turns {
+            *turn = turn.normalize();
+        }
+    }
+}
+
+impl BasePose {
+    /// Of a clip's pose: `positions` (m) and `turns` of all joints, the stand facing +Z.
+    pub fn of(body: &Body, anatomy: &Anatomy, pose: &BodyPose, positions: &[DVec3]) -> BasePose {
+        let mut base = BasePose {
+            turns: pose.turns.clone(),
+            knees: [0.0; 2],
+            twists: [[DQuat::IDENTITY; 2]; 2],
+            straightest: [STRAIGHTEST; 2],
+        };
+        for side in Side::BOTH {
+            let leg = &anatomy.legs[side as usize];
+            let [hip, knee, ankle] = [leg.upper, leg.lower, leg.foot].map(|joint| positions[joint]);
+            let yaw = 0.65 * foot_yaw(body, side, pose.turns[leg.foot]);
+            let Some(axis) = (ankle - hip).try_normalize() else { continue };
+            let square = |way: DVec3| way - axis * way.dot(axis);
+            let Some(pole) = square(knee_pole(ankle - hip, yaw)).try_normalize() else { continue };
+            let off = square(knee - hip);
+            // The hinge that the thigh itself turns about, for a leg too straight to show one.
+            let hinge = (pose.turns[leg.upper] * leg.thigh_from_rest.inverse()) * DVec3::X;
+            let own = square(axis.cross(hinge)).try_normalize().unwrap_or(pole);
+            let told = smooth3((off.length() - OFF_LINE[0]) / (OFF_LINE[1] - OFF_LINE[0]));
+            let seen = off.try_normalize().unwrap_or(own);
+            let way = (own * (1.0 - told) + seen * told).try_normalize().unwrap_or(seen);
+            base.knees[side as usize] = pole.cross(way).dot(axis).atan2(pole.dot(way));
+            let stretch = (ankle - hip).length() / leg.length();
+            base.straightest[side as usize] = stretch.clamp(STRAIGHTEST, LOCKED);
+            let chain =
+                two_bone_ik(hip, ankle, leg.thigh_length, leg.shank_length, way, base.straightest[side as usize]);
+            let bones = [
+                (limb_frame(chain.middle - hip, chain.hinge) * leg.thigh_from_rest, leg.upper, leg.lower),
+                (limb_frame(chain.end - chain.middle, chain.hinge) * leg.shank_from_rest, leg.lower, leg.foot),
+            ];
+            for (bone, (turn, joint, end)) in bones.into_iter().enumerate() {
+                let by = turn.inverse() * pose.turns[joint];
+                base.twists[side as usize][bone] = about(by, body.offset(end));
+            }
+        }
+        base
+    }
+
+    /// Between two of them.
+    pub fn between(&self, other: &BasePose, share: f64) -> BasePose {
+        let mix = |from: f64, to: f64| from + (to - from) * share;
+        BasePose {
+            turns: self.turns.iter().zip(&other.turns).map(|(from, to)| from.slerp(*to, share)).collect(),
+            knees: [0, 1].map(|side| {
+                let way = crate::maths::quat::wrap_angle(other.knees[side] - self.knees[side]);
+                self.knees[side] + way * share
+            }),
+            twists: [0, 1].map(|side| [0, 1].map(|b| self.twists[side][b].slerp(other.twists[side][b], share))),
+            straightest: [0, 1].map(|side| mix(self.straightest[side], other.straightest[side])),
+        }
+    }
+}
+
+/// The part of a rotation that turns about an axis.
+fn about(turn: DQuat, axis: DVec3) -> DQuat {
+    let Some(axis) = axis.try_normalize() else { return DQuat::IDENTITY };
+    let along = axis * turn.xyz().dot(axis);
+    let twist = DQuat::from_xyzw(along.x, along.y, along.z, turn.w);
+    if twist.length_squared() < 1e-12 { DQuat::IDENTITY } else { twist.normalize() }
+}
