@@ -13,11 +13,16 @@ pub mod frames;
 pub mod gltf;
 mod kind;
 pub mod rate;
+pub mod retarget;
+mod retarget_feet;
+mod retarget_planted;
+mod retarget_turns;
 pub mod skeleton;
 pub mod unit;
 
 pub use error::MocapError;
 pub use kind::Kind;
+pub use retarget::{Planted, retarget, retarget_with};
 
 use crate::model::Capture;
 use crate::rig::document::{Resolve, read_file};

@@ -1,0 +1,228 @@
+//! What the target's feet shall do: turned as the source's and, where those bear, held on the ground without sliding.
+//!
+//! Clip space, m, rad; the target's floor is y = 0. Every foot keeps the height of its lowest point over the floor, scaled. In a stance
+//! the flat sole lies level and still, the toes stay where the ball bears, the ankle goes as the foot rolls over heel and ball. What a
+//! stance changes is carried out of it and into the next as an offset that dies away with its own speed. Moves no legs.
+
+use super::retarget_planted::{Planted, Sole, SourceFeet, Stance};
+use super::retarget_turns::rest_frames;
+use crate::maths::quat::{rotation_vector, yaw_of};
+use crate::model::report::Part;
+use crate::model::{Body, Side};
+use glam::{DQuat, DVec3};
+
+/// s, at a leg of 0.83 m: how long an offset lasts before and after a stance.
+const BLEND: f64 = 0.15;
+/// rad: a foot that turns more on the spot is let turn.
+const SWIVELS: f64 = 0.25;
+/// rad: a sole that is tilted more than that while it stands flat stands on something else.
+const TILTED: f64 = 0.26;
+
+/// What one foot shall do, frame by frame.
+#[derive(Clone, Debug)]
+pub(super) struct FootPlan {
+    /// Foot and toes.
+    pub turns: Vec<[DQuat; 2]>,
+    /// m: the ankle's height.
+    pub height: Vec<f64>,
+    /// 1 in a stance, 0 far from one.
+    pub bears: Vec<f64>,
+    spans: Vec<(usize, usize)>,
+    ways: Vec<Vec<DVec3>>,
+    blend: usize,
+}
+
+impl FootPlan {
+    /// Plans one foot. `raw`: (frames) the target's turns of foot and toes as the source has them; `scale` is the target's size.
+    pub fn new(body: &Body, side: Side, raw: &[[DQuat; 2]], source: &SourceFeet, scale: f64, fps: f64) -> FootPlan {
+        let sole = Sole::of(body, side);
+        let stances: Vec<&Stance> = source.stances.iter().filter(|stance| stance.planted.side == side).collect();
+        let spans: Vec<(usize, usize)> =
+            stances.iter().map(|stance| (stance.planted.start, stance.planted.end)).collect();
+        let tempo = (body.leg_length / 0.83).max(0.01).sqrt();
+        let blend = ((BLEND * tempo * fps).round() as usize).max(2);
+        let turns = held_turns(body, side, raw, &stances, blend);
+        let ways = stances
+            .iter()
+            .map(|stance| {
+                let Planted { start, end, .. } = stance.planted;
+                let feet: Vec<DQuat> = turns[start..=end].iter().map(|turn| turn[0]).collect();
+                sole.roll(&feet, &stance.parts)
+            })
+            .collect();
+        // The lowest point over the floor: as the source's, but exactly on the ground in a stance.
+        let least = stances.iter().map(|stance| stance.height).fold(0.0, f64::min);
+        let clearance: Vec<f64> =
+            source.clearance[side as usize].iter().map(|over| scale * over.max(least)).collect();
+        let offsets: Vec<Vec<DVec3>> = stances
+            .iter()
+            .map(|stance| {
+                let Planted { start, end, .. } = stance.planted;
+                (start..=end).map(|frame| DVec3::Y * (scale * stance.height - clearance[frame])).collect()
+            })
+            .collect();
+        let lifted = carried(raw.len(), &spans, &offsets, blend);
+        let height = (0..raw.len())
+            .map(|frame| {
+                let over = (clearance[frame] + lifted[frame].y).max(scale * least);
+                over - sole.lowest(turns[frame][0], turns[frame][1])
+            })
+            .collect();
+        FootPlan { turns, height, bears: bearing(raw.len(), &spans, blend), spans, ways, blend }
+    }
+
+    /// m, (frames) where the ankle shall be: at its height, level where it would come by itself, but held in stances.
+    pub fn ankles(&self, own: &[DVec3]) -> Vec<DVec3> {
+        let offsets: Vec<Vec<DVec3>> = self
+            .spans
+            .iter()
+            .zip(&self.ways)
+            .map(|((start, end), way)| {
+                // Where it stands is where that costs least: at the mean.
+                let beside = |frame: usize| way[frame - start] - own[frame];
+                let mean = (*start..=*end).map(beside).sum::<DVec3>() / (end - start + 1) as f64;
+                (*start..=*end).map(|frame| (beside(frame) - mean) * DVec3::new(1.0, 0.0, 1.0)).collect()
+            })
+            .collect();
+        let offsets = carried(own.len(), &self.spans, &offsets, self.blend);
+        own.iter()
+            .zip(offsets)
+            .zip(&self.height)
+            .map(|((own, offset), height)| DVec3::new(own.x + offset.x, *height, own.z + offset.z))
+            .collect()
+    }
+}
+
+/// Turns of foot and toes: level and still where the sole is flat, the toes also where the ball bears.
+fn held_turns(body: &Body, side: Side, raw: &[[DQuat; 2]], stances: &[&Stance], blend: usize) -> Vec<[DQuat; 2]> {
+    let shape = &body.feet[side as usize];
+    let rest = rest_frames(body);
+    let frames = [rest[shape.ankle], shape.toe.map_or(rest[shape.ankle], |toe| rest[toe])];
+    let mut turns = raw.to_vec();
+    for part in [0, 1] {
+        let mut spans = Vec::new();
+        let mut offsets = Vec::new();
+        for stance in stances {
+            let held = |of: &Part| *of == Part::Flat || (part == 1 && *of == Part::Ball);
+            for (from, to) in runs(&stance.parts, held) {
+                let (start, end) = (stance.planted.start + from, stance.planted.start + to);
+                // Toes that lie with a flat foot point where it does.
+                let of = if part == 1 && stance.parts[from..=to].contains(&Part::Flat) { 0 } else { part };
+                let own: Vec<DQuat> = (start..=end).map(|frame| raw[frame][of] * frames[of]).collect();
+                let Some(level) = level(&own, &stance.parts[from..=to], of) else { continue };
+                spans.push((start, end));
+                offsets.push(
+                    (start..=end)
+                        .zip(level)
+                        .map(|(frame, level)| {
+                            rotation_vector(level * frames[part].inverse() * raw[frame][part].inverse())
+                        })
+                        .collect::<Vec<DVec3>>(),
+                );
+            }
+        }
+        let offsets = carried(raw.len(), &spans, &offsets, blend);
+        for (turn, offset) in turns.iter_mut().zip(offsets) {
+            turn[part] = (DQuat::from_scaled_axis(offset) * turn[part]).normalize();
+        }
+    }
+    turns
+}
+
+/// The level frames of a foot that bears: one heading for all, unless it turns on the spot. `None` for one that stands on an edge.
+fn level(own: &[DQuat], parts: &[Part], of: usize) -> Option<Vec<DQuat>> {
+    let flat = |at: &usize| of == 1 || parts[*at] == Part::Flat;
+    let counted: Vec<usize> = (0..own.len()).filter(flat).collect();
+    let first = yaw_of(own[*counted.first()?]);
+    let yaws: Vec<f64> = own.iter().map(|turn| crate::maths::quat::wrap_angle(yaw_of(*turn) - first)).collect();
+    let mean = |values: &dyn Fn(usize) -> f64| counted.iter().map(|at| values(*at)).sum::<f64>() / counted.len() as f64;
+    if of == 0 && mean(&|at| (own[at] * DVec3::Y).angle_between(DVec3::Y)) > TILTED {
+        return None;
+    }
+    let (low, high) = counted.iter().fold((f64::MAX, f64::MIN), |(low, high), at| (low.min(yaws[*at]), high.max(yaws[*at])));
+    let still = high - low < SWIVELS;
+    let middle = mean(&|at| yaws[at]);
+    Some(yaws.iter().map(|yaw| DQuat::from_rotation_y(first + if still { middle } else { *yaw })).collect())
+}
+
+/// Runs of what is held, as (first, last).
+fn runs(parts: &[Part], held: impl Fn(&Part) -> bool) -> Vec<(usize, usize)> {
+    let mut found: Vec<(usize, usize)> = Vec::new();
+    for (at, part) in parts.iter().enumerate() {
+        match found.last_mut() {
+            Some(last) if held(part) && last.1 + 1 == at => last.1 = at,
+            _ if held(part) => found.push((at, at)),
+            _ => {}
+        }
+    }
+    found
+}
+
+/// (frames) an offset that is given in spans, carried out of each and into the next: it dies away over `blend` frames from the speed that
+/// it has, or goes over to the next one where that is near.
+fn carried(frames: usize, spans: &[(usize, usize)], offsets: &[Vec<DVec3>], blend: usize) -> Vec<DVec3> {
+    let mut out = vec![DVec3::ZERO; frames];
+    let speed = |offsets: &[DVec3], at_end: bool| {
+        let last = offsets.len() - 1;
+        let steps = last.min(2);
+        if steps == 0 {
+            return DVec3::ZERO;
+        }
+        let step = if at_end { offsets[last] - offsets[last - steps] } else { offsets[steps] - offsets[0] };
+        step / steps as f64
+    };
+    let mut curve = |from: (usize, DVec3, DVec3), to: (usize, DVec3, DVec3)| {
+        let length = (to.0 - from.0) as f64;
+        // No speed may carry it farther off than it is.
+        let bound = |speed: DVec3| speed.clamp_length_max(1.5 * from.1.distance(to.1) / length);
+        let (start, end) = (bound(from.2) * length, bound(to.2) * length);
+        for frame in from.0 + 1..to.0.min(frames) {
+            let u = (frame - from.0) as f64 / length;
+            let (u2, u3) = (u * u, u * u * u);
+            out[frame] = from.1 * (2.0 * u3 - 3.0 * u2 + 1.0)
+                + start * (u3 - 2.0 * u2 + u)
+                + to.1 * (3.0 * u2 - 2.0 * u3)
+                + end * (u3 - u2);
+        }
+    };
+    let nothing = DVec3::ZERO;
+    for (index, (start, end)) in spans.iter().enumerate() {
+        let own = &offsets[index];
+        let before = index.checked_sub(1).map(|before| spans[before].1);
+        if before.is_none_or(|before| before + 2 * blend <= *start) {
+            // What begins sooner than the blend can begins at full.
+            let from = start.checked_sub(blend);
+            match from {
+                Some(from) => curve((from, nothing, nothing), (*start, own[0], speed(own, false))),
+                None => curve((0, own[0], nothing), (*start, own[0], nothing)),
+            }
+        }
+        let leaves = (*end, own[own.len() - 1], speed(own, true));
+        match spans.get(index + 1) {
+            Some((next, _)) if end + 2 * blend > *next => {
+                let other = &offsets[index + 1];
+                curve(leaves, (*next, other[0], speed(other, false)));
+            }
+            _ => curve(leaves, (end + blend, nothing, nothing)),
+        }
+    }
+    for ((start, end), own) in spans.iter().zip(offsets) {
+        out[*start..=*end].copy_from_slice(own);
+        if *start > 0 && *start < blend && *start == spans[0].0 {
+            out[..*start].fill(own[0]);
+        }
+    }
+    out
+}
+
+/// 1 in stances, eased to 0 within the blend around them.
+fn bearing(frames: usize, spans: &[(usize, usize)], blend: usize) -> Vec<f64> {
+    (0..frames)
+        .map(|frame| {
+            let away = spans.iter().map(|(start, end)| start.saturating_sub(frame).max(frame.saturating_sub(*end)));
+            let away = away.min().unwrap_or(usize::MAX).min(blend);
+            let u = 1.0 - away as f64 / blend as f64;
+            u * u * (3.0 - 2.0 * u)
+        })
+        .collect()
+}
