@@ -46,6 +46,7 @@ pub fn report(clip: &Clip) -> ClipReport {
         disturbances: Vec::new(),
         assist: Assist::default(),
         torques: Vec::new(),
+        base: None,
         plausibility: Plausibility::default(),
     }
 }

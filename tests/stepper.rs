@@ -26,6 +26,7 @@ fn scaled(size: f64, mass: f64) -> Physique {
         toe_out: body.toe_out,
         heel: body.heel * size,
         tip: body.tip * size,
+        stance: None,
         half_width: body.half_width * size,
     }
 }

@@ -15,6 +15,8 @@ mod audit_faults;
 mod audit_forces;
 /// Faults by kind and clip, for the test and the bench.
 mod audit_grid;
+/// Base clips: stands and walks that a reaction starts from and returns to.
+mod base;
 /// Height, masses and soles of real rigs and of the built-in one.
 mod bodies;
 /// The program at the shell: exit codes, words, files.

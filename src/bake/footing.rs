@@ -187,7 +187,6 @@ mod tests {
             heel: -0.07,
             ball: 0.12,
             tip: 0.19,
-            stance: None,
             half_width: 0.045,
             rear_sole: Vec::new(),
             front_sole: Vec::new(),

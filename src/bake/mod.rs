@@ -139,7 +139,10 @@ fn bake_by(rig: &Rig, scenario: &Scenario, options: &BakeOptions, drive: Drive) 
         let height = |time: f64| interpolated(&heights, timeline.dt, time);
         keys::keyed_clip_on(&input, &|time| timeline.terrain.turn(time), &height)
     };
-    let clip = keyed(options.root);
+    let mut clip = keyed(options.root);
+    if let Some(stood) = &performance.timeline.stood {
+        base::add(&mut clip, rig, &stood.base);
+    }
     // Feet of a clip without its travel slide by design: what can be measured is the same motion keyed with it.
     let travelling = (options.root == RootMotion::InPlace).then(|| keyed(RootMotion::Root));
     let measured = travelling.as_ref().unwrap_or(&clip);

@@ -137,6 +137,15 @@ fn summary(baked: &Baked, name: &str, places: &Places, size: usize) -> String {
             name, report.duration, report.fps, report.root_motion, report.drive, report.seed
         ),
     );
+    if let Some(base) = &report.base {
+        line(
+            "base",
+            format_args!(
+                "{}: first frame {:.2} degrees and {:.1} mm from its pose, last frame {:.2} and {:.1}",
+                base.clip, base.first_deg, base.first_mm, base.last_deg, base.last_mm
+            ),
+        );
+    }
     line("body", format_args!("{:.1} kg, {:.2} m", report.body.mass, report.body.height));
     line("outcome", format_args!("{}", outcome(baked)));
     for (index, push) in report.disturbances.iter().enumerate() {

@@ -152,5 +152,6 @@ fn foreign(rig: &Rig, clip: &Clip) -> ClipReport {
         assist: Assist::default(),
         torques: Vec::new(),
         plausibility: Plausibility::default(),
+        base: None,
     }
 }

@@ -1,12 +1,16 @@
 //! From the names in the arguments to what they hold: looks at the files, reads them, says what is wrong with them.
 
 use super::exit_code::{Exit, Failure};
+use super::args::BakeArgs;
 use super::{parts, scenario_fault, tell};
 use crate::model::scenario_text;
 use crate::model::{Scenario, ScenarioSource};
+use crate::bake::Base;
 use crate::rig::Rig;
+use crate::{bake, mocap};
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The largest scenario that is read, bytes: past that it is some other file.
 const LARGEST_SCENARIO: u64 = 4 << 20;
@@ -73,15 +77,13 @@ pub fn base(rig: &Rig, scenario: &Scenario, args: &BakeArgs) -> Result<Option<(P
         }
     };
     let reading = file.reading(clip, &mocap::Options::default()).map_err(|error| bad(error.to_string()))?;
-    let base = bake::base::prepare(rig, scenario, &reading).map_err(|error| bad(error.to_string()))?;
+    let base = bake::base::prepare(rig, scenario, &reading, base.file.is_none().then_some(clip)).map_err(|error| bad(error.to_string()))?;
     Ok(Some((path, Arc::new(base))))
 }
 
-/// Reads a scenario and refuses what cannot be baked yet, with file and line.
+/// Reads a scenario.
 pub fn scenario(path: &Path) -> Result<Scenario, Failure> {
-    let (scenario, source) = read_scenario(path)?;
-    let later = scenario.unavailable();
-    if later.is_empty() { Ok(scenario) } else { Err(faulty(&source.errors(&later))) }
+    read_scenario(path).map(|(scenario, _)| scenario)
 }
 
 fn read_scenario(path: &Path) -> Result<(Scenario, ScenarioSource), Failure> {

@@ -13,7 +13,6 @@ pub mod report;
 pub mod role;
 pub mod scenario;
 pub mod scenario_errors;
-mod scenario_later;
 mod scenario_reader;
 pub mod scenario_rules;
 pub mod scenario_text;

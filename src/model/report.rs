@@ -28,6 +28,20 @@ pub struct ClipReport {
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub torques: Vec<JointTorque>,
     pub plausibility: Plausibility,
+    /// Where it starts from and returns to.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub base: Option<BaseReport>,
+}
+
+/// The base clip, and how far the first and the last frame are from its pose: horizontal place and heading apart.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "plain")]
+pub struct BaseReport {
+    pub clip: String,
+    pub first_deg: f64,
+    pub first_mm: f64,
+    pub last_deg: f64,
+    pub last_mm: f64,
 }
 
 /// How it ended.

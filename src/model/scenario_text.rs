@@ -411,14 +411,6 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_available_yet_has_its_line() {
-        let (scenario, source) = read("w.toml", "\n[base]\nclip = \"Idle\"\n").expect("it is good");
-        let errors = source.errors(&scenario.unavailable());
-        assert_eq!(errors.line_column(&errors.faults[0]).0, 2);
-        assert!(errors.to_string().starts_with("w.toml:2:1: `base`: a base clip is not available yet"), "{errors}");
-    }
-
-    #[test]
     fn deep_nesting_is_an_error_not_a_crash() {
         for text in
             [format!("a = {}", "[".repeat(200_000)), format!("a{} = 1", ".a".repeat(100_000)), "[a.".repeat(50_000)]

@@ -17,6 +17,10 @@ use glam::{DQuat, DVec3};
 
 /// m: a knee that is off the line from hip to ankle by less than the first says nothing of where it points, by more than the second all.
 const OFF_LINE: [f64; 2] = [0.002, 0.006];
+/// rad: a knee that bends by more than the clip's shows less of how the clip's points, and from how much more on the least.
+const FREELY: f64 = 0.05;
+/// rad.
+const FADES: f64 = 0.4;
 /// The straightest leg that a base clip may show.
 const LOCKED: f64 = 0.99999;
 
@@ -27,6 +31,8 @@ pub struct BasePose {
     pub turns: Vec<DQuat>,
     /// rad, how far each knee points off where the solver would have it, about the line from hip to ankle.
     pub knees: [f64; 2],
+    /// rad, how far each knee is bent, and how sure it is where it points, 0..1.
+    pub bends: [(f64, f64); 2],
     /// What thigh and shank are turned about their own length.
     pub twists: [[DQuat; 2]; 2],
     /// Part of the leg's length that each leg of the clip uses: it may be straighter than the solver's.
@@ -100,6 +106,7 @@ impl BasePose {
         let mut base = BasePose {
             turns: pose.turns.clone(),
             knees: [0.0; 2],
+            bends: [(0.0, 1.0); 2],
             twists: [[DQuat::IDENTITY; 2]; 2],
             straightest: [STRAIGHTEST; 2],
         };
@@ -122,6 +129,7 @@ impl BasePose {
             base.straightest[side as usize] = stretch.clamp(STRAIGHTEST, LOCKED);
             let chain =
                 two_bone_ik(hip, ankle, leg.thigh_length, leg.shank_length, way, base.straightest[side as usize]);
+            base.bends[side as usize] = (chain.bend, told);
             let bones = [
                 (limb_frame(chain.middle - hip, chain.hinge) * leg.thigh_from_rest, leg.upper, leg.lower),
                 (limb_frame(chain.end - chain.middle, chain.hinge) * leg.shank_from_rest, leg.lower, leg.foot),
@@ -143,9 +151,23 @@ impl BasePose {
                 let way = crate::maths::quat::wrap_angle(other.knees[side] - self.knees[side]);
                 self.knees[side] + way * share
             }),
+            bends: [0, 1].map(|side| {
+                let (from, to) = (self.bends[side], other.bends[side]);
+                (mix(from.0, to.0), mix(from.1, to.1))
+            }),
             twists: [0, 1].map(|side| [0, 1].map(|b| self.twists[side][b].slerp(other.twists[side][b], share))),
             straightest: [0, 1].map(|side| mix(self.straightest[side], other.straightest[side])),
         }
+    }
+}
+
+impl BasePose {
+    /// How much of where the clip's knee points is kept by a leg that bends by that, rad: a straight leg's knee says little of where
+    /// a bent one points.
+    pub(super) fn keeps(&self, side: Side, bend: f64) -> f64 {
+        let (shown, told) = self.bends[side as usize];
+        let least = 0.6 * told;
+        least + (1.0 - least) * (1.0 - smooth3((bend - shown - FREELY) / FADES))
     }
 }
 

@@ -302,7 +302,8 @@ impl<'a> Solver<'a> {
         let mut pole = knee_pole(ankle - hip, yaw);
         let mut straightest = STRAIGHTEST;
         if let Some(base) = over {
-            let swivel = base.knees[side as usize];
+            let distance = (ankle - hip).length().min(leg.length() * base.straightest[side as usize]);
+            let swivel = base.knees[side as usize] * base.keeps(side, leg.bend_at(distance));
             pole = DQuat::from_axis_angle((ankle - hip).normalize_or(DVec3::NEG_Y), swivel) * pole;
             straightest = base.straightest[side as usize];
         }
@@ -327,7 +328,8 @@ impl<'a> Solver<'a> {
         pose.turns[leg.upper] = limb_frame(chain.middle - hip, chain.hinge) * leg.thigh_from_rest;
         pose.turns[leg.lower] = limb_frame(chain.end - chain.middle, chain.hinge) * leg.shank_from_rest;
         if let Some(base) = over {
-            let [thigh, shank] = base.twists[side as usize];
+            let keeps = base.keeps(side, chain.bend);
+            let [thigh, shank] = base.twists[side as usize].map(|twist| DQuat::IDENTITY.slerp(twist, keeps));
             pose.turns[leg.upper] *= thigh;
             pose.turns[leg.lower] *= shank;
         }

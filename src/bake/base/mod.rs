@@ -3,10 +3,14 @@
 //! A [`Base`] is a clip on the body that is baked, judged once: a stand (both feet stay) or a walk. [`stand`] lays a reaction over a
 //! stand. Scenario space: metres, the ground at 0, the clip's own place and heading. What runs, jumps or sits is refused.
 
+mod beside;
+mod error;
 mod foot;
 mod prepare;
 pub mod stand;
 
+pub use beside::add;
+pub use error::error;
 pub use foot::FootOffset;
 pub use prepare::prepare;
 pub use stand::Stood;
@@ -15,10 +19,14 @@ use crate::audit::contacts::footfalls;
 use crate::audit::track::Track;
 use crate::model::{BodyPose, Capture, Side};
 use crate::whole_body::{Anatomy, BasePose};
-use glam::{DQuat, DVec3};
+use crate::maths::hull::{convex_hull, signed_distance};
+use glam::{DQuat, DVec2, DVec3};
 
 /// rad, mean over the joints: a clip whose last pose is this near to its first is a loop.
 const LOOPS: f64 = 2.5 * std::f64::consts::PI / 180.0;
+
+/// m, at a leg of 0.83 m: a centre of mass that far out of the feet is not standing on them.
+const TOPPLED: f64 = 0.04;
 
 /// A clip to start from and to return to.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +37,8 @@ pub struct Base {
     pub fps: f64,
     /// It begins again where it ends.
     pub loops: bool,
+    /// Its index among the clips of the rig that is baked, where it is one of them.
+    pub own: Option<usize>,
     /// Sentences for a person.
     pub notes: Vec<String>,
     frames: Vec<BaseFrame>,
@@ -82,22 +92,34 @@ impl Base {
             off / from.turns.len().max(1) as f64
         };
         let loops = frames.len() > 2 && apart(&frames[0].pose, &frames[frames.len() - 1].pose) < LOOPS;
-        let mut base = Base { name: capture.name.clone(), fps: capture.fps, loops, notes: capture.notes.clone(), frames };
+        let mut base = Base { name: capture.name.clone(), fps: capture.fps, loops, own: None, notes: Vec::new(), frames };
         base.judge(capture)?;
         Ok(base)
     }
 
-    /// A stand keeps both feet on the ground from end to end.
+    /// A stand keeps both feet on the ground from end to end, and its centre of mass over them.
     fn judge(&mut self, capture: &Capture) -> Result<(), BaseError> {
         let track = Track::new(capture);
         let feet = footfalls(&track);
+        let unfit = |what: String| Err(BaseError::Unfit { name: self.name.clone(), what });
         for side in Side::BOTH {
             let off = feet.of[side as usize].iter().position(Option::is_none);
             if let Some(frame) = off {
                 let side = if side == Side::Left { "left" } else { "right" };
-                let what = format!("lifts its {side} foot at frame {frame}");
-                return Err(BaseError::Unfit { name: self.name.clone(), what });
+                return unfit(format!("lifts its {side} foot at frame {frame}"));
             }
+        }
+        let size = track.size();
+        let out = |frame: usize| {
+            let at = |point: DVec3| DVec2::new(point.x, point.z);
+            let points: Vec<DVec2> = track.feet.iter().flat_map(|foot| foot.points[frame].map(at)).collect();
+            let half = capture.body.feet[0].half_width;
+            signed_distance(&convex_hull(&points), track.below(frame)) - half
+        };
+        let worst = (0..track.len()).max_by(|a, b| out(*a).total_cmp(&out(*b))).unwrap_or(0);
+        if out(worst) > TOPPLED * size {
+            let far = out(worst) * 100.0;
+            return unfit(format!("has its centre of mass {far:.0} cm out of its feet at frame {worst}"));
         }
         Ok(())
     }
@@ -107,13 +129,20 @@ impl Base {
         (self.frames.len() - 1) as f64 / self.fps
     }
 
+    /// s, the clip's own time then: begun again where it loops, at the end where it does not.
+    pub fn wrapped(&self, time: f64) -> f64 {
+        let (time, whole) = (time.max(0.0), self.seconds());
+        if !self.loops || whole <= 0.0 {
+            return time.min(whole);
+        }
+        let round = time % whole;
+        if whole - round < 1e-9 { 0.0 } else { round }
+    }
+
     /// The frame at any time (s): begun again where it loops, else the last one is held.
     pub fn at(&self, time: f64) -> BaseFrame {
         let last = self.frames.len() - 1;
-        let mut place = (time * self.fps).max(0.0);
-        if self.loops && last > 0 {
-            place %= last as f64;
-        }
+        let mut place = self.wrapped(time) * self.fps;
         // Times that are whole frames are those frames.
         if (place - place.round()).abs() < 1e-6 {
             place = place.round();

@@ -14,13 +14,15 @@ const AWRY: f64 = 60.0 * std::f64::consts::PI / 180.0;
 /// m: one that begins farther from the origin is moved there.
 const AFAR: f64 = 0.5;
 
-/// The base clip of a scenario, on a rig. `reading`: the clip as its file has it.
-pub fn prepare(rig: &Rig, scenario: &Scenario, reading: &Reading) -> Result<Base, BaseError> {
+/// The base clip of a scenario, on a rig. `reading`: the clip as its file has it; `own`: its index, where the file is the rig's.
+pub fn prepare(rig: &Rig, scenario: &Scenario, reading: &Reading, own: Option<usize>) -> Result<Base, BaseError> {
     let scale = scenario.character.leg_scale;
     let body = if scale == 1.0 { rig.body.clone() } else { rig.with_leg_scale(scale).body };
     let mut capture = in_scenario(reading);
     face_forward(&mut capture);
-    Base::new(&onto(&capture, &body))
+    let capture = onto(&capture, &body);
+    let notes = if own.is_some() { Vec::new() } else { capture.notes.clone() };
+    Ok(Base { own, notes, ..Base::new(&capture)? })
 }
 
 /// The motion on that body.
