@@ -70,20 +70,66 @@ fn a_reaction_starts_in_the_base_clip_and_comes_back_to_it() {
             let scenario = shoved(clip, heading, impulse);
             let (rig, base) = rig_and_clip(&data.join("rigs").join(file), clip, &scenario);
             let baked = baked(&rig, &scenario, base.expect("it is a stand"));
-            let told = baked.report.base.as_ref().expect("the clip says where it comes from");
-            let measured = &baked.report.plausibility;
-            println!(
-                "{:<44} {:>5} {:>9} {:>11.3} {:>10.2} {:>11.3} {:>10.2} {:>6.1} {:>6.2}",
-                format!("{file} {clip} {heading}"),
-                impulse,
-                format!("{:?}{}", baked.report.outcome, baked.report.steps),
-                told.first_deg,
-                told.first_mm,
-                told.last_deg,
-                told.last_mm,
-                measured.zmp_inside * 100.0,
-                measured.slip_max_mm
-            );
+            row(&format!("{file} {clip} {heading}"), impulse, &baked);
         }
+    }
+}
+
+/// Walks of third-party rigs.
+const WALKS: [(&str, &str); 5] = [
+    ("m2m_human_base_animations.glb", "Walk_Loop"),
+    ("m2m_human_base_animations.glb", "Walk_Formal_Loop"),
+    ("kaykit_Knight.glb", "Walking_A"),
+    ("kaykit_Knight.glb", "Walking_Backwards"),
+    ("khronos_CesiumMan.gltf", "0"),
+];
+
+#[test]
+fn a_walk_is_pushed_and_walks_on_as_before() {
+    let Some(data) = data() else {
+        println!("skipped: no third-party rigs");
+        return;
+    };
+    for (file, clip) in WALKS {
+        for (heading, impulse) in [(0.0, 0.0), (-90.0, 20.0), (180.0, 40.0)] {
+            let mut scenario = shoved(clip, heading, impulse);
+            scenario.duration = 8.0;
+            if impulse == 0.0 {
+                scenario.push.clear();
+            }
+            let (rig, base) = rig_and_clip(&data.join("rigs").join(file), clip, &scenario);
+            let base = match base {
+                Ok(base) => base,
+                Err(error) => {
+                    println!("{file} {clip}: {error}");
+                    continue;
+                }
+            };
+            let options = BakeOptions { base: Some(Arc::new(base)), ..BakeOptions::default() };
+            match bake(&rig, &scenario, &options) {
+                Ok(baked) => row(&format!("{file} {clip} {heading}"), impulse, &baked),
+                Err(error) => println!("{file} {clip}: {error}"),
+            }
+        }
+    }
+}
+
+fn row(name: &str, impulse: f64, baked: &Baked) {
+    let told = baked.report.base.as_ref().expect("the clip says where it comes from");
+    let measured = &baked.report.plausibility;
+    println!(
+        "{name:<44} {impulse:>5} {:>9} {:>11.3} {:>10.2} {:>11.3} {:>10.2} {:>6.1} {:>6.2} sink {:>4.1} score {:.2}",
+        format!("{:?}{}", baked.report.outcome, baked.report.steps),
+        told.first_deg,
+        told.first_mm,
+        told.last_deg,
+        told.last_mm,
+        measured.zmp_inside * 100.0,
+        measured.slip_max_mm,
+        measured.penetration_max_mm,
+        measured.score
+    );
+    for note in baked.warnings.iter().chain(&measured.notes) {
+        println!("      {note}");
     }
 }

@@ -5,7 +5,7 @@
 //! the air that same pivot flies from plant to plant: so nothing slides, and position and speed are continuous at lift.
 //! Pitch is positive with the heel up. Where a rig has no toes the foot turns about the tip of its sole.
 
-use super::base::FootOffset;
+use super::base::{FootOffset, Walked};
 use super::clearance::{self, Raise};
 use super::contacts::FootContact;
 use super::swing::Swing;
@@ -49,7 +49,18 @@ const EDGE_ROLL: f64 = 3.0 * std::f64::consts::PI / 180.0;
 pub struct FootCurves {
     feet: [FootPath; 2],
     terrain: Terrain,
-    base: Option<[(FootOffset, bool); 2]>, // how they stand in the base clip, and whether on the ball
+    base: Based,
+}
+
+/// What a base clip has to say.
+#[derive(Clone, Debug)]
+enum Based {
+    /// There is none.
+    Not,
+    /// How they stand in it, and whether on the ball.
+    Stand([(FootOffset, bool); 2]),
+    /// How they walk.
+    Walk(Box<Walked>),
 }
 
 /// One foot.
@@ -96,14 +107,26 @@ impl FootCurves {
         terrain: &Terrain,
     ) -> FootCurves {
         let feet = Side::BOTH.map(|side| FootPath::new(body, physique, side, start, steps, still_until, scale));
-        let mut curves = FootCurves { feet, terrain: terrain.clone(), base: None };
+        let mut curves = FootCurves { feet, terrain: terrain.clone(), base: Based::Not };
         curves.clear_the_ground();
         curves
     }
 
     /// The same, standing at first and at last as in a base clip; with each foot, whether it does so on its ball.
     pub fn over(self, base: [(FootOffset, bool); 2]) -> FootCurves {
-        FootCurves { base: Some(base), ..self }
+        FootCurves { base: Based::Stand(base), ..self }
+    }
+
+    /// The same, walking at first and at last as in a base clip.
+    pub fn over_walk(self, body: &Body, walked: Walked) -> FootCurves {
+        let mut curves = FootCurves { base: Based::Walk(Box::new(walked)), ..self };
+        curves.join(body);
+        curves
+    }
+
+    /// Whether a foot is a base clip's then, and not to be touched.
+    pub fn is_clips(&self, side: Side, time: f64) -> bool {
+        matches!(&self.base, Based::Walk(walked) if walked.is_clips(side, time))
     }
 
     /// How much a foot stands as in the base clip, 0..1: before its first step and after its last.
@@ -120,8 +143,10 @@ impl FootCurves {
     /// Where a foot is.
     pub fn at(&self, side: Side, time: f64) -> FootTarget {
         let mut target = self.feet[side as usize].at(time, &self.terrain);
-        if let Some(base) = &self.base {
-            target = base[side as usize].0.on(&target, self.as_in_base(side, time));
+        match &self.base {
+            Based::Not => {}
+            Based::Stand(base) => target = base[side as usize].0.on(&target, self.as_in_base(side, time)),
+            Based::Walk(walked) => target = walked.foot(side, time, &target),
         }
         if !self.terrain.moves() {
             return target;
@@ -170,6 +195,9 @@ impl FootCurves {
 
     /// How free a foot is to leave its curve: 0 planted, 1 in mid-swing.
     pub fn freedom(&self, side: Side, time: f64) -> f64 {
+        if self.is_clips(side, time) {
+            return 0.0;
+        }
         let path = &self.feet[side as usize];
         path.swings
             .iter()
@@ -257,6 +285,15 @@ impl FootCurves {
             }
         }
         self.clear_the_ground();
+        self.join(body);
+    }
+
+    /// Joins the feet of a base clip that walks to their curves as they are now.
+    fn join(&mut self, body: &Body) {
+        let FootCurves { feet, terrain, base } = self;
+        if let Based::Walk(walked) = base {
+            walked.join(body, &|side, time| feet[side as usize].at(time, terrain));
+        }
     }
 
     /// All contacts up to `end`, in order of start, left before right.
@@ -265,7 +302,11 @@ impl FootCurves {
         for side in Side::BOTH {
             let from = contacts.len();
             self.feet[side as usize].contacts(side, end, &mut contacts);
-            if self.base.is_some_and(|base| base[side as usize].1) {
+            if let Based::Walk(walked) = &self.base {
+                let own: Vec<FootContact> = contacts.drain(from..).collect();
+                contacts.extend(walked.contacts(side, &own, end));
+            }
+            if matches!(&self.base, Based::Stand(base) if base[side as usize].1) {
                 for contact in &mut contacts[from..] {
                     let middle = 0.5 * (contact.start + contact.end);
                     if contact.part == Part::Flat && self.as_in_base(side, middle) == 1.0 {

@@ -28,6 +28,8 @@ const HOLDS_ON: f64 = 0.05;
 const STEEPEST: f64 = 0.15;
 /// s.
 const LANDING: f64 = 0.2;
+/// s, after the first disturbance, in which a base clip's legs bend as far as a planted one should.
+const UNBENDS: f64 = 0.5;
 /// s, time in which a sinking that nothing holds comes up again (for a centre of mass at 0.96 m).
 const RISE: f64 = 0.11;
 /// Part of the leg that a walker's centre of mass travels up and down at most.
@@ -159,8 +161,9 @@ fn need_at(timeline: &Timeline, index: usize, pose: &Solved) -> f64 {
         let landed = 1.0 - smooth3(timeline.feet.since_landing(side, time) / LANDING);
         // An articulated body bends the knees that it lands on itself.
         let bend = if timeline.drawn.is_empty() { LANDING_BEND + (WALKING_BEND - LANDING_BEND) * walking } else { 0.0 };
-        // A base clip may stand on straighter legs.
-        let straightest = timeline.stood.as_ref().map_or(0.0, |stood| stood.reach[side as usize] + 1e-4);
+        // A base clip may stand on straighter legs; nothing is asked of it before it is disturbed.
+        let calm = 1.0 - smooth3((time - timeline.still_until) / UNBENDS);
+        let straightest = timeline.over.as_ref().map_or(0.0, |over| over.reach(side) + 1e-4 + 0.02 * calm);
         let reach = leg * (PLANTED_REACH.max(straightest) - bend * landed + 0.05 * freedom);
         let hip = pose.hips[side as usize];
         let ankle = timeline.feet.at(side, time).ankle;

@@ -4,7 +4,7 @@
 //! The passes of `reach` and `balance` change `shift` and `lowering` only: what the stepper said stays beside them.
 
 use super::carried::{self, Carried};
-use super::base::Stood;
+use super::base::Over;
 use super::feet::FootCurves;
 use crate::maths::curve::{sample, smooth3};
 use crate::maths::quat::rotation_vector;
@@ -54,7 +54,7 @@ pub struct Timeline {
     /// What they stand on.
     pub terrain: Terrain,
     /// The base clip that all this is laid over.
-    pub stood: Option<Stood>,
+    pub over: Option<Over>,
     /// When the hands hold what.
     pub carried: Vec<Carried>,
     /// The boxes in them, one each.
@@ -154,9 +154,9 @@ impl Timeline {
 
     /// The pose for a target, laid over the base clip where there is one.
     fn solved(&self, solver: &mut Solver, target: &PoseTarget, time: f64) -> Solved {
-        match &self.stood {
+        match &self.over {
             None => solver.solve(target),
-            Some(stood) => solver.solve_over(target, Some((&stood.neutral, &stood.pose(time)))),
+            Some(over) => solver.solve_over(target, Some((over.neutral(), &over.pose(time)))),
         }
     }
 
