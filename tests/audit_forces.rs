@@ -91,7 +91,7 @@ pub fn measured(data: &Path) -> Option<Compared> {
         for at in crossings(side, false) {
             lift_offs.push(nearest(
                 at,
-                own().filter(|contact| !contact.cut.1).map(|contact| contact.end as f64 + 0.5).collect(),
+                own().filter(|contact| !contact.cut.1).map(|contact| contact.lift_off).collect(),
             ));
         }
     }

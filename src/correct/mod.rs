@@ -206,6 +206,7 @@ fn slip(capture: &Capture, done: &[Done], floor: Option<f64>) -> f64 {
         });
         slips.fold(0.0, f64::max)
     })
+    .unwrap_or(0.0)
 }
 
 fn wanted(options: &CorrectOptions, rule: Rule) -> bool {
@@ -244,6 +245,7 @@ fn propose(
         });
         fixes
     })
+    .unwrap_or_default()
 }
 
 /// Flags of a rule, those of one fault together: no more than so many frames apart.
