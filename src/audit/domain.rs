@@ -38,6 +38,10 @@ pub enum Reason {
     Thrown,
     /// Fast limbs: a blow, a throw, a dance.
     Action,
+    /// Feet are far under what looks like the floor.
+    NoFloor,
+    /// The clip is over before anything shows.
+    Short,
 }
 
 impl Reason {
@@ -53,6 +57,8 @@ impl Reason {
                 "the body is thrown about as no feet could: keyed action, or something pushes that is not in the clip"
             }
             Reason::Action => "fast limbs: blows, throws and dance are balanced by more than feet",
+            Reason::NoFloor => "the feet agree on no floor: a piece of a jump or a climb, or a floor that is not in the clip",
+            Reason::Short => "the clip is too short to show a floor and a balance",
             Reason::Pose => "a pose that stands before the motion begins",
             Reason::Unsupported => "no foot bears: what carries the body is not seen",
         }
@@ -63,8 +69,16 @@ impl Reason {
 const BLOW: f64 = 5.0;
 /// s: and so much around it.
 const AROUND: f64 = 0.35;
+/// One frame in so many in which feet tell nothing takes the others of a span along.
+const MUTE: usize = 4;
 /// Cosine of a thigh against straight down: flatter on both sides, the body sits.
 const SEATED: f64 = 0.45;
+/// m at a leg of 0.83 m: feet are no deeper in a floor that is theirs.
+const DEEPEST: f64 = 0.12;
+/// Of the frames: where feet are deeper in more of them, nothing is known of the floor in any.
+const DEEP: f64 = 0.2;
+/// s, not the body's but the filters': a shorter clip is beginning and end alone.
+const SHORTEST: f64 = 0.6;
 /// m/s, and m/s: low feet that go as fast under a centre of mass that goes no faster, the clip through.
 const TREADMILL: (f64, f64) = (0.35, 0.12);
 
@@ -98,7 +112,7 @@ impl Domain {
         }
     }
 
-    /// Whether feet tell anything in most of a span: they do not under a body that sits, lies or walks in place.
+    /// Whether feet tell anything in nearly all of a span: they do not under a body that sits, lies or walks in place.
     pub fn stands_in(&self, start: usize, end: usize) -> bool {
         let mute = |reason: &&Option<Reason>| {
             matches!(
@@ -110,10 +124,12 @@ impl Domain {
                         | Reason::Pose
                         | Reason::Action
                         | Reason::Thrown
+                        | Reason::NoFloor
+                        | Reason::Short
                 )
             )
         };
-        2 * self.reasons[start..=end].iter().filter(mute).count() < end - start + 1
+        MUTE * self.reasons[start..=end].iter().filter(mute).count() < end - start + 1
     }
 
     /// Share of the frames in which it does.
@@ -174,8 +190,19 @@ pub fn domain(track: &Track, feet: &Footfalls) -> Domain {
     for (start, end) in held(track) {
         set(start, end, Reason::Hands);
     }
+    let deep = |frame: usize| !feet.ground.uneven && deepest(track, feet, frame) > DEEPEST * track.size();
+    let count = (0..frames).filter(|frame| deep(*frame)).count();
+    for (start, end) in super::spans(frames, deep) {
+        set(start.saturating_sub(around), end + around, Reason::NoFloor);
+    }
+    if count as f64 > DEEP * frames as f64 {
+        reasons.fill(Some(Reason::NoFloor));
+    }
     if in_place(track) {
         reasons.fill(Some(Reason::InPlace));
+    }
+    if (frames as f64) < SHORTEST * hz {
+        reasons.fill(Some(Reason::Short));
     }
     let join = (JOIN * hz).round() as usize;
     let gaps = super::spans(frames, |frame| reasons[frame].is_none());
@@ -186,6 +213,15 @@ pub fn domain(track: &Track, feet: &Footfalls) -> Domain {
         }
     }
     Domain { reasons }
+}
+
+/// m: how far the lower foot is under its floor.
+fn deepest(track: &Track, feet: &Footfalls, frame: usize) -> f64 {
+    let under = |side: Side| {
+        let foot = &track.feet[side as usize];
+        feet.ground.under(side, foot.place(frame)) - foot.low[frame]
+    };
+    under(Side::Left).max(under(Side::Right))
 }
 
 /// Spans in which a hand is still in the world while the body goes on.
