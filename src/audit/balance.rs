@@ -106,7 +106,7 @@ fn piece(track: &Track, feet: &Footfalls, seen: Range<usize>, told: Range<usize>
 pub fn thrown(track: &Track, balance: &[Option<Balance>]) -> Vec<(usize, usize)> {
     let lasts = (THROWN.1 * track.tempo() * track.capture.fps).round() as usize;
     let far = |frame: usize| balance[frame].is_some_and(|found| found.out > THROWN.0 * track.size());
-    super::spans(track.len(), far).into_iter().filter(|(start, end)| end - start >= lasts).collect()
+    super::spans(track.len(), far).into_iter().filter(|(start, end)| end - start + 1 >= lasts.max(2)).collect()
 }
 
 /// Every mark of the rule.

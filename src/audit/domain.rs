@@ -57,7 +57,9 @@ impl Reason {
                 "the body is thrown about as no feet could: keyed action, or something pushes that is not in the clip"
             }
             Reason::Action => "fast limbs: blows, throws and dance are balanced by more than feet",
-            Reason::NoFloor => "the feet agree on no floor: a piece of a jump or a climb, or a floor that is not in the clip",
+            Reason::NoFloor => {
+                "the feet agree on no floor: a piece of a jump or a climb, or a floor that is not in the clip"
+            }
             Reason::Short => "the clip is too short to show a floor and a balance",
             Reason::Pose => "a pose that stands before the motion begins",
             Reason::Unsupported => "no foot bears: what carries the body is not seen",
@@ -191,11 +193,7 @@ pub fn domain(track: &Track, feet: &Footfalls) -> Domain {
         set(start, end, Reason::Hands);
     }
     let deep = |frame: usize| !feet.ground.uneven && deepest(track, feet, frame) > DEEPEST * track.size();
-    let count = (0..frames).filter(|frame| deep(*frame)).count();
-    for (start, end) in super::spans(frames, deep) {
-        set(start.saturating_sub(around), end + around, Reason::NoFloor);
-    }
-    if count as f64 > DEEP * frames as f64 {
+    if (0..frames).filter(|frame| deep(*frame)).count() as f64 > DEEP * frames as f64 {
         reasons.fill(Some(Reason::NoFloor));
     }
     if in_place(track) {
@@ -215,7 +213,7 @@ pub fn domain(track: &Track, feet: &Footfalls) -> Domain {
     Domain { reasons }
 }
 
-/// m: how far the lower foot is under its floor.
+/// m: how far the deeper foot is under its floor.
 fn deepest(track: &Track, feet: &Footfalls, frame: usize) -> f64 {
     let under = |side: Side| {
         let foot = &track.feet[side as usize];

@@ -58,7 +58,8 @@ pub fn step(feet: &Footfalls, judged: &Judged) -> StepVerdict {
 pub fn contacts(track: &Track, feet: &Footfalls) -> Vec<FootContact> {
     let mut told: Vec<FootContact> = Vec::new();
     for contact in &feet.contacts {
-        let parts: Vec<&'static str> = (contact.start..=contact.last()).map(|frame| part(track, contact, frame)).collect();
+        let parts: Vec<&'static str> =
+            (contact.start..=contact.last()).map(|frame| part(track, contact, frame)).collect();
         let mut from = 0;
         for at in 1..=parts.len() {
             if at == parts.len() || parts[at] != parts[from] {

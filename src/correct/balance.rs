@@ -12,8 +12,8 @@ use crate::audit::balance::support;
 use crate::maths::banded::BandedLeastSquares;
 use crate::maths::hull::{centroid, closest_point, shrink};
 use crate::measure::GRAVITY;
-use crate::model::{Capture, Side};
 use crate::model::findings::{Findings, Flag, Rule};
+use crate::model::{Capture, Side};
 use glam::{DVec2, DVec3};
 
 /// s: flags that are nearer are of one fault.
@@ -228,8 +228,8 @@ mod tests {
     use super::*;
     use crate::audit::balance::balance;
     use crate::audit::contacts::footfalls;
-    use crate::audit::track::Track;
     use crate::audit::fixture::stand;
+    use crate::audit::track::Track;
     use crate::model::Role;
     use crate::model::capture::ToldPush;
 

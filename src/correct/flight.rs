@@ -56,11 +56,15 @@ pub fn fixes(seen: &Seen, findings: &Findings, attempt: usize) -> Vec<Fix> {
         }
         let moved = most * share;
         let short = if share < 1.0 {
-            format!("; for {GRAVITY} it would have to fly {:.0} cm higher still, or be played faster", 100.0 * (most - moved))
+            format!(
+                "; for {GRAVITY} it would have to fly {:.0} cm higher still, or be played faster",
+                100.0 * (most - moved)
+            )
         } else {
             String::new()
         };
-        let what = format!("the flight falls at {falls:.2} m/s², up to {:.1} cm from where it was{short}", 100.0 * moved);
+        let what =
+            format!("the flight falls at {falls:.2} m/s², up to {:.1} cm from where it was{short}", 100.0 * moved);
         fixes.push(Fix { piece, flag: flag.clone(), moved, what, held: Vec::new() });
     }
     fixes

@@ -8,9 +8,9 @@
 use super::Fix;
 use super::posing::{as_it_is, leg, pose, under};
 use super::seen::{Seen, eased, side_of};
-use crate::audit::stages::judged;
 use super::slides::{bears, hold};
 use crate::audit::placement::{Judged, median};
+use crate::audit::stages::judged;
 use crate::maths::filter::value_at;
 use crate::model::findings::{Findings, Flag, Rule};
 use crate::model::{Capture, Side};
