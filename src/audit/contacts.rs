@@ -132,7 +132,7 @@ pub fn footfalls_on(track: &Track, told: Option<f64>) -> Footfalls {
 impl Contact {
     /// The last frame that is told of it.
     pub fn last(&self) -> usize {
-        self.lift_off.floor() as usize
+        self.lift_off.floor().max(self.end as f64) as usize
     }
 }
 
@@ -393,6 +393,27 @@ mod tests {
                 assert!(found[0].place.distance(DVec2::new(place.x, place.z)) < 0.01, "{found:?} {place}");
             }
             assert!(!feet.ground.uneven);
+        }
+    }
+
+    #[test]
+    fn a_lift_off_follows_the_last_frame_that_stands_within_hundredths_of_a_second() {
+        for fps in [30.0, 120.0] {
+            let capture = walk(Gait { fps, ..Gait::default() });
+            let feet = footfalls(&Track::new(&capture));
+            let mut later = 0;
+            for (index, contact) in feet.contacts.iter().enumerate() {
+                let waits = (contact.lift_off - contact.end as f64) / fps;
+                assert!(
+                    (0.0..=PUSHES_OFF.1 + 1e-9).contains(&waits) && contact.last() < capture.frames(),
+                    "{contact:?}"
+                );
+                later += usize::from(waits > 0.0);
+                let next = feet.contacts[index + 1..].iter().find(|next| next.side == contact.side);
+                assert!(next.is_none_or(|next| contact.last() < next.start), "{contact:?}");
+                assert!(!contact.cut.1 || waits == 0.0, "{contact:?}");
+            }
+            assert!(later > 5, "{fps} fps: {later} of {}", feet.contacts.len());
         }
     }
 

@@ -328,6 +328,31 @@ mod tests {
     }
 
     #[test]
+    fn feet_that_are_far_under_what_looks_like_the_floor_show_none_and_a_sunk_span_is_still_judged() {
+        for (depth, known) in [(-0.06, true), (-0.4, false)] {
+            let mut capture = stand(4.0);
+            let frames = capture.frames();
+            for frame in frames / 2..frames * 9 / 10 {
+                shift_all(&mut capture, frame, DVec3::Y * depth);
+            }
+            let domain = found(&capture);
+            assert_eq!(domain.reasons.iter().all(|reason| *reason == Some(Reason::NoFloor)), !known, "{depth}");
+            assert_eq!(domain.stands_in(0, frames - 1), known);
+        }
+    }
+
+    #[test]
+    fn a_clip_of_half_a_second_is_passed_over() {
+        let mut capture = walk(Gait::default());
+        let joints = capture.body.joints.len();
+        let keep = (0.5 * capture.fps) as usize * joints;
+        capture.positions.truncate(keep);
+        capture.turns.truncate(keep);
+        let domain = found(&capture);
+        assert!(domain.reasons.iter().all(|reason| *reason == Some(Reason::Short)), "{:?}", domain.abstained());
+    }
+
+    #[test]
     fn a_flight_and_the_strides_about_it_are_passed_over_and_the_stand_before_is_not() {
         let domain = found(&jump(0.4, 1.0));
         assert!(domain.walks_in(0, 60));

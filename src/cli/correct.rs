@@ -213,12 +213,11 @@ fn faster(text: &str, frame_time: f64) -> String {
     format!("{}{frame_time:.9}{}", &text[..start], &text[start + number..])
 }
 
-/// m: how far the written clip is from what was meant; `None` where it cannot be read again.
+/// m: how far the written clip is from what was meant, frame by frame at its rate; `None` where it cannot be read again.
 fn check_back(output: &Path, bytes: &[u8], clip: &Clip, options: &Options) -> Option<f64> {
-    let options =
-        Options { unit: options.unit.or(Some(clip.reading.capture.units_to_metres)), fps: None, ..options.clone() };
-    let index = clip.index;
-    let back = locals::read_back(&output.display().to_string(), bytes, index, &options)?;
+    let unit = options.unit.or(Some(clip.reading.capture.units_to_metres));
+    let options = Options { unit, fps: Some(clip.corrected.capture.fps), ..options.clone() };
+    let back = locals::read_back(&output.display().to_string(), bytes, clip.index, &options)?;
     Some(locals::written_off_by(&clip.corrected.capture, &back))
 }
 

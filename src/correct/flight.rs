@@ -69,3 +69,30 @@ pub fn fixes(seen: &Seen, findings: &Findings, attempt: usize) -> Vec<Fix> {
     }
     fixes
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::audit::fixture::jump;
+    use crate::correct::{CorrectOptions, correct};
+    use crate::model::findings::Rule;
+
+    #[test]
+    fn a_flight_that_would_have_to_go_too_high_goes_as_high_as_it_may_and_says_so() {
+        for (seconds, short) in [(0.45, false), (0.58, true)] {
+            let capture = jump(seconds, 0.6);
+            let corrected = correct(&capture, &CorrectOptions::default());
+            assert!(corrected.before.flags.iter().any(|flag| flag.rule == Rule::Ballistic), "{seconds}");
+            assert!(corrected.after.flags.is_empty(), "{seconds}: {:?}", corrected.after.flags);
+            let done = &corrected.done[0];
+            assert!(done.moved_m <= super::HIGHEST * capture.body.leg_length + 1e-9, "{done:?}");
+            assert_eq!(done.what.contains("higher still"), short, "{done:?}");
+        }
+    }
+
+    #[test]
+    fn a_flight_that_hangs_in_the_air_is_left_alone() {
+        let corrected = correct(&jump(0.58, 0.5), &CorrectOptions::default());
+        assert!(corrected.changed.is_empty() && !corrected.after.flags.is_empty());
+        assert!(corrected.notes.iter().any(|note| note.contains("falls at")), "{:?}", corrected.notes);
+    }
+}
