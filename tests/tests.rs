@@ -24,7 +24,8 @@ mod clip_ground;
 mod common;
 /// Corrections: planted faults that go, frames and files that stay.
 mod correct;
-mod correct_told; // what a corrected clip tells of itself
+/// What a corrected clip that was baked here tells of itself.
+mod correct_told;
 /// Baked files: the source kept whole, read again, by the Khronos validator, three.js.
 mod export;
 /// The same for rigs that nobody here made: slip, keys, the Khronos validator.
