@@ -26,6 +26,8 @@ mod clip_ground;
 mod common;
 /// Corrections: planted faults that go, frames and files that stay.
 mod correct;
+/// What a corrected clip that was baked here tells of itself.
+mod correct_told;
 /// Baked files: the source kept whole, read again, by the Khronos validator, three.js.
 mod export;
 /// The same for rigs that nobody here made: slip, keys, the Khronos validator.
