@@ -173,6 +173,11 @@ impl FootCurves {
         self.feet[side as usize].room(time, dt)
     }
 
+    /// Whether a foot is in the air as a base clip has it.
+    pub fn flies_as_clip(&self, side: Side, time: f64) -> bool {
+        matches!(&self.base, Based::Walk(walked) if walked.is_clips(side, time) && !walked.clip_bears(side, time))
+    }
+
     /// Raises the swings over what lies between their plants.
     fn clear_the_ground(&mut self) {
         let FootCurves { feet, terrain, .. } = self;

@@ -31,6 +31,8 @@ const PASSES: usize = 16;
 const EASE_PASSES: usize = 10;
 /// Passes until which recoveries take more care of sudden legs; walks do until the last but one.
 const CARE_PASSES: usize = 8;
+/// s, in which a walk that is a base clip's is left at first and come back to at last.
+const ENDS: f64 = 0.4;
 /// Damping of the first passes and of the last.
 const DAMPING: [f64; 2] = [0.002, 0.012];
 /// Passes in which the feet still adapt their roll to the ankles.
@@ -181,7 +183,7 @@ pub fn perform_over(
             stood.come_home(&start, &mut steps, facing, body)
         }
         Some(Over::Walk(walked)) => {
-            walked.plan(&mut steps, (still_until, busy, end), body.leg_length / 0.83);
+            walked.plan(&mut steps, (still_until, busy, end), body);
             true
         }
         _ => false,
@@ -211,7 +213,7 @@ pub fn perform_over(
         body: body.clone(),
         anatomy,
         dt: trace.dt,
-        still_until,
+        still_until: if walks { 0.0 } else { still_until },
         surprises: pushes.iter().map(|push| push.start).collect(),
         com,
         shift: vec![DVec3::ZERO; count],
@@ -262,11 +264,10 @@ pub fn perform_over(
     // The swinging legs' mass moves the hips: the bends stay, so that this lowering is the one that they need.
     reach::lower_into_reach(&mut timeline, &solved, scale, &care, damping(PASSES));
     if home {
-        for (lowering, left) in timeline.lowering.iter_mut().zip(&left) {
-            *lowering *= left;
-        }
-        if walks {
-            timeline.shift.iter_mut().zip(&left).for_each(|(shift, left)| *shift *= *left);
+        // Both ends are the base clip's.
+        for (index, lowering) in timeline.lowering.iter_mut().enumerate() {
+            let time = index as f64 * timeline.dt;
+            *lowering *= if walks { smooth3(time / ENDS) * smooth3((end - time) / ENDS) } else { left[index] };
         }
     }
     let mut lost = trace.lost;

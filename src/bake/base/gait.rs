@@ -5,7 +5,7 @@
 //! space, metres, seconds.
 
 use super::{Base, BaseError, BaseFrame};
-use crate::audit::contacts::{Contact, footfalls};
+use crate::audit::contacts::footfalls;
 use crate::audit::track::Track;
 use crate::bake::contacts::FootContact;
 use crate::maths::curve::smooth3;
@@ -22,8 +22,16 @@ const SLOWEST: f64 = 0.2;
 const IN_PLACE: f64 = 0.3;
 /// m at a leg of 0.83 m: a heel or ball that is farther over the other's floor is up.
 const UP: f64 = 0.015;
-/// m: soles lower than this bear, of a walk in place.
+/// m: soles lower than this over the lowest bear, of a walk in place.
 const LOW: f64 = 0.03;
+/// s, standard deviations of the smoothing of its travel that are tried.
+const EVENED: [f64; 3] = [0.08, 0.2, 0.6];
+/// Part of the frames in which no foot is seen to bear, of a walk.
+const MOST_FLIGHT: f64 = 0.25;
+/// m at a leg of 0.83 m: a foot that is so far from where it lies does not stand there yet, or no more.
+const OFF: f64 = 0.05;
+/// m, the same of its height.
+const OVER: f64 = 0.012;
 
 /// A walk without an end.
 #[derive(Clone, Debug)]
@@ -44,6 +52,7 @@ pub struct Gait {
     pub falls: Vec<Fall>,
     frames: Vec<BaseFrame>,
     feet: [Vec<FootTarget>; 2],
+    contacts: Vec<Bears>,
 }
 
 /// A foot that bears: s. It lies flat from `flat` to `ball`.
@@ -72,19 +81,30 @@ impl Gait {
     pub fn new(base: &Base, body: &Body, anatomy: &Anatomy, seconds: f64) -> Result<Gait, BaseError> {
         let unfit = |what: String| BaseError::Unfit { name: base.name.clone(), what };
         let size = (body.leg_length / 0.83).max(1e-3);
-        let travelled = travelled(base, body).ok_or_else(|| unfit("has feet that never bear".into()))?;
-        let (unrolled, period) = unrolled(base, &travelled, (body, anatomy), seconds);
-        let capture = as_capture(base, body, &unrolled);
-        let track = Track::new(&capture);
-        let found = footfalls(&track);
+        // The least smoothing with which the feet are seen to bear.
+        let mut best: Option<(usize, Vec<BaseFrame>, f64, Vec<Bears>)> = None;
+        for evened in EVENED {
+            let travelled =
+                travelled(base, body, evened).ok_or_else(|| unfit("has feet that never bear".into()))?;
+            let (unrolled, period) = unrolled(base, &travelled, (body, anatomy), seconds);
+            for contacts in [seen(base, body, &unrolled), low(body, &unrolled, size)] {
+                let flight = (0..unrolled.len()).filter(|frame| !bears(&contacts, *frame)).count();
+                let steps = Side::BOTH.map(|side| contacts.iter().filter(|contact| contact.side == side).count());
+                let flight = if steps.iter().any(|steps| *steps < 2) { unrolled.len() } else { flight };
+                if best.as_ref().is_none_or(|best| flight * 2 < best.0) {
+                    best = Some((flight, unrolled.clone(), period, contacts));
+                }
+            }
+        }
+        let Some((flight, unrolled, period, mut contacts)) = best else { return Err(BaseError::Empty(base.name.clone())) };
         let last = unrolled.len() - 1;
-        if Side::BOTH.iter().any(|side| found.contacts.iter().filter(|contact| contact.side == *side).count() < 2) {
+        if flight == unrolled.len() {
             return Err(unfit("takes too few steps to be a walk".into()));
         }
-        let flight = (0..unrolled.len()).filter(|frame| found.bearing(*frame) == 0).count();
-        if flight as f64 > 0.04 * unrolled.len() as f64 {
+        if flight as f64 > MOST_FLIGHT * unrolled.len() as f64 {
             return Err(unfit("runs: both feet are off the ground at times".into()));
         }
+        bridge(&mut contacts, unrolled.len());
         let seconds = last as f64 / base.fps;
         let way = unrolled[last].com - unrolled[0].com;
         let velocity = DVec2::new(way.x, way.z) / seconds.max(1e-9);
@@ -92,15 +112,6 @@ impl Gait {
             return Err(unfit(format!("steps, but goes nowhere ({:.2} m/s)", velocity.length())));
         }
         let frames = unrolled;
-        let mut feet: [Vec<FootTarget>; 2] = Default::default();
-        let mut falls = Vec::new();
-        for side in Side::BOTH {
-            let own: Vec<&Contact> = found.contacts.iter().filter(|contact| contact.side == side).collect();
-            let (targets, held) = hold(body, side, &frames, &own, base.fps, size);
-            feet[side as usize] = targets;
-            falls.extend(held);
-        }
-        falls.sort_by(|a, b| a.down.total_cmp(&b.down));
         let facing = frames.iter().map(|frame| DVec2::from_angle(yaw_of(frame.pose.turns[0]))).sum::<DVec2>().to_angle();
         // Poses as of a body that faces as this one walks.
         let frames: Vec<BaseFrame> =
@@ -115,7 +126,35 @@ impl Gait {
                 reach[side as usize] = reach[side as usize].max((at[leg.foot] - at[leg.upper]).length() / leg.length());
             }
         }
-        Ok(Gait { fps: base.fps, velocity, facing, period, com_height, reach, falls, frames, feet })
+        let mut gait = Gait {
+            fps: base.fps,
+            velocity,
+            facing,
+            period,
+            com_height,
+            reach,
+            falls: Vec::new(),
+            frames,
+            feet: Default::default(),
+            contacts,
+        };
+        gait.hold(body, &[0.0]);
+        Ok(gait)
+    }
+
+    /// Holds the feet that bear; at the times of `exact` (s) they are where the clip has them.
+    pub fn hold(&mut self, body: &Body, exact: &[f64]) {
+        let last = self.frames.len() - 1;
+        let exact: Vec<usize> = exact.iter().map(|time| ((time * self.fps).round().max(0.0) as usize).min(last)).collect();
+        let size = (body.leg_length / 0.83).max(1e-3);
+        self.falls.clear();
+        for side in Side::BOTH {
+            let own: Vec<&Bears> = self.contacts.iter().filter(|contact| contact.side == side).collect();
+            let (targets, held) = hold(body, side, &self.frames, &own, (self.fps, size), &exact);
+            self.feet[side as usize] = targets;
+            self.falls.extend(held);
+        }
+        self.falls.sort_by(|a, b| a.down.total_cmp(&b.down));
     }
 
     /// s, of the last frame.
@@ -182,45 +221,67 @@ pub(super) fn blended(from: &FootTarget, to: &FootTarget, share: f64) -> FootTar
     }
 }
 
-/// m a frame, where the clip's body goes that walks in place: what the lower foot goes back by. Zero where it travels by itself.
-fn travelled(base: &Base, body: &Body) -> Option<Vec<DVec3>> {
+/// m, where the clip's body is by each frame that walks in place: what the feet that bear go back by, evened. Zero where it travels by
+/// itself; `None` where no foot ever bears.
+fn travelled(base: &Base, body: &Body, evened: f64) -> Option<Vec<DVec3>> {
     let frames = base.frames();
     let count = frames.len();
-    let positions: Vec<Vec<DVec3>> = frames.iter().map(|frame| frame.pose.positions(body)).collect();
-    let level = |frame: usize| {
-        let own = positions[frame].clone();
-        Side::BOTH.map(|side| {
-            let (rear, front) = frames[frame].pose.sole(body, &own, side);
-            let low = rear.iter().chain(&front).map(|point| point.y).fold(f64::INFINITY, f64::min);
-            let foot = &body.feet[side as usize];
-            let ball = foot.toe.map_or(own[foot.ankle], |toe| own[toe]);
-            (low, ball)
-        })
+    let point = |frame: &BaseFrame, side: Side, which: usize| {
+        let (rear, front) = frame.pose.sole(body, &frame.pose.positions(body), side);
+        rear.iter().chain(&front).nth(which).copied().unwrap_or(DVec3::ZERO)
     };
-    let levels: Vec<[(f64, DVec3); 2]> = (0..count).map(level).collect();
-    let mut speeds: Vec<DVec2> = Vec::new();
+    let lows: Vec<[f64; 2]> = frames.iter().map(|frame| lowest(body, frame)).collect();
+    let floor = lows.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+    let mut steps: Vec<Option<DVec3>> = Vec::with_capacity(count);
     for frame in 1..count {
-        let lower = if levels[frame][0].0 + levels[frame - 1][0].0 < levels[frame][1].0 + levels[frame - 1][1].0 { 0 } else { 1 };
-        if levels[frame][lower].0 < LOW && levels[frame - 1][lower].0 < LOW {
-            let way = levels[frame][lower].1 - levels[frame - 1][lower].1;
-            speeds.push(DVec2::new(way.x, way.z) * base.fps);
+        let (mut way, mut weight) = (DVec3::ZERO, 0.0);
+        for side in Side::BOTH {
+            let height = 0.5 * (lows[frame][side as usize] + lows[frame - 1][side as usize]) - floor;
+            let bears = (1.0 - height / LOW).max(0.0).powi(2);
+            if bears > 0.0 {
+                let positions = frames[frame].pose.positions(body);
+                let (rear, front) = frames[frame].pose.sole(body, &positions, side);
+                let lowest = rear.iter().chain(&front).enumerate().min_by(|a, b| a.1.y.total_cmp(&b.1.y));
+                let Some((which, at)) = lowest else { continue };
+                way += (*at - point(&frames[frame - 1], side, which)) * bears;
+                weight += bears;
+            }
         }
+        steps.push((weight > 1e-6).then(|| way / weight * DVec3::new(1.0, 0.0, 1.0)));
     }
-    if speeds.is_empty() {
+    let known: Vec<DVec3> = steps.iter().flatten().copied().collect();
+    if known.is_empty() {
         return None;
     }
-    let median = |pick: fn(&DVec2) -> f64| {
-        let mut values: Vec<f64> = speeds.iter().map(pick).collect();
-        values.sort_by(f64::total_cmp);
-        values[values.len() / 2]
-    };
-    let under = DVec2::new(median(|speed| speed.x), median(|speed| speed.y));
+    let mean = known.iter().sum::<DVec3>() / known.len() as f64;
     let seconds = (count - 1).max(1) as f64 / base.fps;
     let way = frames[count - 1].com - frames[0].com;
     let goes = DVec2::new(way.x, way.z).length() / seconds;
-    let walks_in_place = under.length() > 0.2 && goes < IN_PLACE * under.length();
-    let step = if walks_in_place { -under / base.fps } else { DVec2::ZERO };
-    Some((0..count).map(|frame| DVec3::new(step.x, 0.0, step.y) * frame as f64).collect())
+    let under = mean.length() * base.fps;
+    if under < SLOWEST || goes > IN_PLACE * under {
+        return Some(vec![DVec3::ZERO; count]);
+    }
+    let steps: Vec<DVec3> = steps.into_iter().map(|step| step.unwrap_or(mean)).collect();
+    // Evened over a moment: a body has no jolts.
+    let sigma = (evened * base.fps).max(1e-3);
+    let reach = (3.0 * sigma).ceil() as isize;
+    let evened = |at: usize| {
+        let (mut sum, mut total) = (DVec3::ZERO, 0.0);
+        for off in -reach..=reach {
+            let weight = (-0.5 * (off as f64 / sigma).powi(2)).exp();
+            let index = at as isize + off;
+            let last = steps.len() as isize;
+            let index = if base.loops { index.rem_euclid(last) } else { index.clamp(0, last - 1) };
+            sum += steps[index as usize] * weight;
+            total += weight;
+        }
+        sum / total
+    };
+    let mut list = vec![DVec3::ZERO; count];
+    for frame in 1..count {
+        list[frame] = list[frame - 1] - evened(frame - 1);
+    }
+    Some(list)
 }
 
 /// The clip with its travel, begun again as often as is needed: frames, and s of a cycle.
@@ -303,14 +364,92 @@ fn as_capture(base: &Base, body: &Body, frames: &[BaseFrame]) -> Capture {
     }
 }
 
+/// A foot that bears: first and last frame.
+#[derive(Clone, Copy, Debug)]
+struct Bears {
+    side: Side,
+    start: usize,
+    end: usize,
+}
+
+fn bears(contacts: &[Bears], frame: usize) -> bool {
+    contacts.iter().any(|contact| (contact.start..=contact.end).contains(&frame))
+}
+
+/// The feet that bear as the audit sees them: they hardly move.
+fn seen(base: &Base, body: &Body, frames: &[BaseFrame]) -> Vec<Bears> {
+    let capture = as_capture(base, body, frames);
+    let found = footfalls(&Track::new(&capture)).contacts;
+    found.iter().map(|contact| Bears { side: contact.side, start: contact.start, end: contact.end }).collect()
+}
+
+/// The feet that are low, however fast they slide.
+fn low(body: &Body, frames: &[BaseFrame], size: f64) -> Vec<Bears> {
+    let heights: Vec<[f64; 2]> = frames.iter().map(|frame| lowest(body, frame)).collect();
+    let floor = heights.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+    let mut list = Vec::new();
+    for side in Side::BOTH {
+        let is_low = |frame: usize| heights[frame][side as usize] - floor < 0.8 * LOW * size;
+        let mut frame = 0;
+        while frame < frames.len() {
+            if !is_low(frame) {
+                frame += 1;
+                continue;
+            }
+            let start = frame;
+            while frame < frames.len() && is_low(frame) {
+                frame += 1;
+            }
+            if frame - start > 2 {
+                list.push(Bears { side, start, end: frame - 1 });
+            }
+        }
+    }
+    list.sort_by_key(|contact| (contact.start, contact.side));
+    list
+}
+
+/// m, the lowest point of each sole.
+fn lowest(body: &Body, frame: &BaseFrame) -> [f64; 2] {
+    let positions = frame.pose.positions(body);
+    Side::BOTH.map(|side| {
+        let (rear, front) = frame.pose.sole(body, &positions, side);
+        rear.iter().chain(&front).map(|point| point.y).fold(f64::INFINITY, f64::min)
+    })
+}
+
+/// Closes what few frames no foot is seen to bear in, half by the foot that leaves and half by the one that comes.
+fn bridge(contacts: &mut [Bears], frames: usize) {
+    let mut frame = 0;
+    while frame < frames {
+        if bears(contacts, frame) {
+            frame += 1;
+            continue;
+        }
+        let from = frame;
+        while frame < frames && !bears(contacts, frame) {
+            frame += 1;
+        }
+        let middle = (from + frame) / 2;
+        let leaves = contacts.iter().position(|contact| contact.end + 1 == from);
+        let comes = contacts.iter().position(|contact| contact.start == frame);
+        if let Some(leaves) = leaves {
+            contacts[leaves].end = if comes.is_some() { middle } else { frame - 1 };
+        }
+        if let Some(comes) = comes {
+            contacts[comes].start = if leaves.is_some() { middle } else { from };
+        }
+    }
+}
+
 /// A foot's targets, held while it bears, and when it does.
 fn hold(
     body: &Body,
     side: Side,
     frames: &[BaseFrame],
-    contacts: &[&Contact],
-    fps: f64,
-    size: f64,
+    contacts: &[&Bears],
+    (fps, size): (f64, f64),
+    exact: &[usize],
 ) -> (Vec<FootTarget>, Vec<Fall>) {
     let shape = &body.feet[side as usize];
     let role = if side == Side::Left { Role::LeftFoot } else { Role::RightFoot };
@@ -329,7 +468,7 @@ fn hold(
     let mut held: Vec<Option<Posed>> = vec![None; posed.len()];
     let mut falls = Vec::new();
     for contact in contacts {
-        let (first, last) = (contact.start, contact.end);
+        let (mut first, mut last) = (contact.start, contact.end);
         let heel = |frame: usize| (posed[frame].ankle + posed[frame].foot * to_heel).y;
         let ball = |frame: usize| {
             let at = posed[frame].ankle + posed[frame].foot * to_ball;
@@ -339,10 +478,34 @@ fn hold(
         let flat_from = (first..=last).find(|frame| ball(*frame) - heel(*frame) < UP * size).unwrap_or(first);
         let flat_to = (flat_from..=last).rfind(|frame| heel(*frame) - ball(*frame) < UP * size).unwrap_or(last);
         let middle = (flat_from + flat_to) / 2;
-        // What the clip starts in is kept.
-        let anchor = if first == 0 { flat_from } else { middle };
-        let lies = posed[anchor];
+        let kept = exact.iter().copied().find(|frame| (first..=last).contains(frame));
+        let mut lies = posed[kept.map_or(middle, |frame| frame.clamp(flat_from, flat_to))];
         let (from, to) = (posed[flat_from], posed[flat_to]);
+        // Where it is not yet, or no more, it does not stand.
+        let away = |frame: usize, to_point: DVec3| {
+            let off = posed[frame].ankle + posed[frame].foot * to_point - lies.ankle - lies.foot * to_point;
+            off.y > OVER * size || (off * DVec3::new(1.0, 0.0, 1.0)).length() > OFF * size
+        };
+        while first < flat_from && away(first, to_heel) {
+            first += 1;
+        }
+        while last > flat_to && away(last, to_ball) {
+            last -= 1;
+        }
+        let kept = kept.filter(|frame| (first..=last).contains(frame));
+        // What it turns about then is where the clip has it.
+        let level = DVec3::new(1.0, 0.0, 1.0);
+        match kept {
+            Some(frame) if frame < flat_from => {
+                let heel_of = |posed: &Posed| posed.ankle + posed.foot * to_heel;
+                lies.ankle += (heel_of(&posed[frame]) - heel_of(&lies)) * level;
+            }
+            Some(frame) if frame > flat_to => {
+                let ball_of = |posed: &Posed| posed.ankle + posed.foot * to_ball;
+                lies.ankle += (ball_of(&posed[frame]) - ball_of(&lies)) * level;
+            }
+            _ => {}
+        }
         let heel_at = lies.ankle + lies.foot * to_heel;
         let ball_at = lies.ankle + lies.foot * to_ball;
         for frame in first..=last {
@@ -357,6 +520,10 @@ fn hold(
                 let foot = (own.foot * to.foot.inverse() * lies.foot).normalize();
                 Posed { ankle: ball_at - foot * to_ball, foot, toe: lies.toe }
             });
+            // A clip whose feet slide by more than can be mended slides on.
+            if let Some(held) = &mut held[frame] {
+                held.ankle = own.ankle + (held.ankle - own.ankle).clamp_length_max(OFF * size);
+            }
         }
         let yaw = foot_yaw(body, side, lies.foot);
         let time = |frame: usize| frame as f64 / fps;
@@ -391,8 +558,15 @@ fn hold(
         let after = off((frame < count).then_some(frame));
         let none = (DVec3::ZERO, DQuat::IDENTITY, DQuat::IDENTITY);
         let (from, to) = (before.or(after).unwrap_or(none), after.or(before).unwrap_or(none));
+        let kept = exact.iter().copied().find(|exact| (begin..frame).contains(exact));
         for at in begin..frame {
-            let share = smooth3((at + 1 - begin) as f64 / (frame + 1 - begin) as f64);
+            let along = |from: usize, to: usize| smooth3((at + 1 - from) as f64 / (to + 1 - from).max(1) as f64);
+            let (from, to, share) = match kept {
+                Some(kept) if at <= kept => (from, none, along(begin, kept)),
+                Some(kept) => (none, to, along(kept, frame)),
+                None => (from, to, along(begin, frame)),
+            };
+            let share = if kept == Some(at) { 1.0 } else { share };
             let own = posed[at];
             held[at] = Some(Posed {
                 ankle: own.ankle + from.0.lerp(to.0, share),

@@ -182,9 +182,10 @@ impl Walked {
 
     /// Plans the way back: the step with which the clip is taken up, and the one after it as the clip has it. `busy`: s, when the last
     /// disturbance is over; `end`: s of the bake.
-    pub fn plan(&mut self, steps: &mut Vec<Step>, spans: (f64, f64, f64), size: f64) {
-        self.way_back(steps, spans, size);
+    pub fn plan(&mut self, steps: &mut Vec<Step>, spans: (f64, f64, f64), body: &Body) {
+        self.way_back(steps, spans, body.leg_length / 0.83);
         self.note_swings(steps);
+        self.gait.hold(body, &[0.0, self.beat_at(spans.2)]);
     }
 
     fn way_back(&mut self, steps: &mut Vec<Step>, (from, busy, end): (f64, f64, f64), size: f64) {
@@ -291,6 +292,12 @@ impl Walked {
         time <= self.from || back.is_some_and(|back| time >= back[1])
     }
 
+    /// Does a foot of the clip's bear then?
+    pub fn clip_bears(&self, side: Side, time: f64) -> bool {
+        let own = if time <= self.from { time } else { self.beat_at(time) };
+        self.bears(side, own)
+    }
+
     /// A foot's contacts: the clip's, the stepper's (`own`), and the clip's again.
     pub fn contacts(&self, side: Side, own: &[FootContact], end: f64) -> Vec<FootContact> {
         let mut list = Vec::new();
@@ -344,6 +351,11 @@ impl Walked {
     /// How much of the stepper's motion is left: 1, and 0 once the clip is taken up again.
     pub fn left_over(&self, time: f64) -> f64 {
         self.back.map_or(1.0, |back| 1.0 - smooth3((time - back.over[0]) / (back.over[1] - back.over[0])))
+    }
+
+    /// How much of the motion is the stepper's own, 0..1.
+    pub fn own(&self, time: f64) -> f64 {
+        smooth3((time - self.from) / 0.3) * self.left_over(time)
     }
 
     /// How much of a reaction shows: none before it is disturbed.
