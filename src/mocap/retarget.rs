@@ -270,20 +270,24 @@ impl<'a> Work<'a> {
         if need.iter().all(|need| *need < 1e-6) {
             return vec![0.0; pelvis.len()];
         }
-        // Each need is a hat with eased sides; their maximum, and no corner in it.
+        // The most that is needed within a while, smoothed over that while: never less than what is needed, and no corner in it.
         let tempo = (self.body.leg_length / 0.83).max(0.01).sqrt();
-        let wide = (SINKS * tempo * self.capture.fps).round().max(2.0) as usize;
-        let hats: Vec<f64> = (0..pelvis.len())
+        let wide = (0.5 * SINKS * tempo * self.capture.fps).round().max(1.0) as usize;
+        let last = need.len() - 1;
+        let near = |frame: usize| frame.saturating_sub(wide)..=(frame + wide).min(last);
+        let most: Vec<f64> =
+            (0..need.len()).map(|frame| need[near(frame)].iter().copied().fold(0.0, f64::max)).collect();
+        (0..need.len())
             .map(|frame| {
-                let near = frame.saturating_sub(wide)..=(frame + wide).min(pelvis.len() - 1);
-                near.map(|at| {
-                    let u = 1.0 - at.abs_diff(frame) as f64 / wide as f64;
-                    need[at] * u * u * (3.0 - 2.0 * u)
-                })
-                .fold(0.0, f64::max)
+                let (mut weights, mut sum) = (0.0, 0.0);
+                for at in near(frame) {
+                    let u = 1.0 - (at.abs_diff(frame) as f64 / (wide + 1) as f64).powi(2);
+                    weights += u * u;
+                    sum += u * u * most[at];
+                }
+                sum / weights
             })
-            .collect();
-        zero_lag(&hats, 2.0 * SETTLES / tempo, self.capture.fps).into_iter().zip(&need).map(|(a, b)| a.max(*b)).collect()
+            .collect()
     }
 
     /// A frame: the pelvis and the ankles at their places, legs between.

@@ -4,7 +4,7 @@
 //! the flat sole lies level and still, the toes stay where the ball bears, the ankle goes as the foot rolls over heel and ball. What a
 //! stance changes is carried out of it and into the next as an offset that dies away with its own speed. Moves no legs.
 
-use super::retarget_planted::{Planted, Sole, SourceFeet, Stance};
+use super::retarget_planted::{Planted, SWIVELS, Sole, SourceFeet, Stance};
 use super::retarget_turns::rest_frames;
 use crate::maths::quat::{rotation_vector, yaw_of};
 use crate::model::report::Part;
@@ -13,8 +13,6 @@ use glam::{DQuat, DVec3};
 
 /// s, at a leg of 0.83 m: how long an offset lasts before and after a stance.
 const BLEND: f64 = 0.15;
-/// rad: a foot that turns more on the spot is let turn.
-const SWIVELS: f64 = 0.25;
 /// rad: a sole that is tilted more than that while it stands flat stands on something else.
 const TILTED: f64 = 0.26;
 
@@ -52,23 +50,29 @@ impl FootPlan {
             .collect();
         // The lowest point over the floor: as the source's, but exactly on the ground in a stance.
         let least = stances.iter().map(|stance| stance.height).fold(0.0, f64::min);
-        let clearance: Vec<f64> =
-            source.clearance[side as usize].iter().map(|over| scale * over.max(least)).collect();
+        let own: Vec<f64> = (source.clearance[side as usize].iter().zip(&turns))
+            .map(|(over, turn)| scale * over.max(least) - sole.lowest(turn[0], turn[1]))
+            .collect();
         let offsets: Vec<Vec<DVec3>> = stances
             .iter()
             .map(|stance| {
-                let Planted { start, end, .. } = stance.planted;
-                (start..=end).map(|frame| DVec3::Y * (scale * stance.height - clearance[frame])).collect()
+                let frames = (stance.planted.start..=stance.planted.end).zip(&stance.parts);
+                let stands = |frame: usize, part: Part| {
+                    scale * stance.height + sole.standing(part, turns[frame][0], turns[frame][1])
+                };
+                frames.map(|(frame, part)| DVec3::Y * (stands(frame, *part) - own[frame])).collect()
             })
             .collect();
         let lifted = carried(raw.len(), &spans, &offsets, blend);
+        let bears = bearing(raw.len(), &spans, blend);
         let height = (0..raw.len())
             .map(|frame| {
-                let over = (clearance[frame] + lifted[frame].y).max(scale * least);
-                over - sole.lowest(turns[frame][0], turns[frame][1])
+                let lowest = scale * least - sole.lowest(turns[frame][0], turns[frame][1]);
+                let height = own[frame] + lifted[frame].y;
+                if bears[frame] < 1.0 { height.max(lowest) } else { height }
             })
             .collect();
-        FootPlan { turns, height, bears: bearing(raw.len(), &spans, blend), spans, ways, blend }
+        FootPlan { turns, height, bears, spans, ways, blend }
     }
 
     /// m, (frames) where the ankle shall be: at its height, level where it would come by itself, but held in stances.
