@@ -6,8 +6,9 @@ use glam::DVec3;
 use std::path::Path;
 use surefoot::measure::feet::feet;
 use surefoot::measure::joints::joints;
+use surefoot::measure::support::held_points;
 use surefoot::measure::{Frame, HeldContact, Motion, Track};
-use surefoot::mocap::retarget::planted_parts;
+use surefoot::mocap::retarget::{belt, planted_parts};
 use surefoot::mocap::{Options, load};
 use surefoot::model::{Body, BodyPose, Capture, Role};
 use surefoot::rig;
@@ -27,7 +28,9 @@ pub const FILES: [&str; 7] = [
 #[derive(Clone, Debug, Default)]
 pub struct Row {
     pub pieces: usize,
-    pub slip: f64,      // mm
+    pub slip: f64,      // mm, level
+    pub slip3: f64,     // mm, by the measures' own definition
+    pub trunk: f64,     // degrees between the trunks, at worst
     pub source: f64,    // mm, the source's own slip in the same pieces
     pub sink: f64,      // mm, in pieces
     pub float: f64,     // mm, in pieces
@@ -96,7 +99,7 @@ pub fn measured(source: &Capture, target: &Capture) -> Row {
     let angles = [joints(&own), joints(&track)];
     let mut row = Row {
         pieces: parts.len(),
-        slip: now.slip_max_mm,
+        slip3: now.slip_max_mm,
         source: was.slip_max_mm,
         float: now.float_max_mm,
         under: now.penetration_max_mm,
@@ -104,7 +107,18 @@ pub fn measured(source: &Capture, target: &Capture) -> Row {
         pops: [angles[0].pops.len(), angles[1].pops.len()],
         ..Row::default()
     };
-    for (planted, _, height) in &parts {
+    let belt = belt(source).unwrap_or(DVec3::ZERO) * scale;
+    for (planted, part, height) in &parts {
+        for held in held_points(&target.body, planted.side, *part) {
+            let place = |frame: usize| {
+                let passed = belt * (frame as f64 / source.fps);
+                (target.rigid_point(frame, held.joint, held.offset) - passed) * DVec3::new(1.0, 0.0, 1.0)
+            };
+            let first = place(planted.start);
+            for frame in planted.start..=planted.end {
+                row.slip = row.slip.max(1000.0 * place(frame).distance(first));
+            }
+        }
         let sole = |frame: usize| {
             let pose = &after[frame];
             let (rear, front) = pose.sole(&target.body, target.at(frame), planted.side);
@@ -116,6 +130,11 @@ pub fn measured(source: &Capture, target: &Capture) -> Row {
     }
     let mut count = 0.0;
     for frame in 0..source.frames() {
+        let trunk = |capture: &Capture| {
+            let at = |role: Role| capture.at(frame)[capture.body.joint(role).expect("a limb")];
+            at(Role::LeftUpperArm) + at(Role::RightUpperArm) - at(Role::LeftUpperLeg) - at(Role::RightUpperLeg)
+        };
+        row.trunk = row.trunk.max(trunk(source).angle_between(trunk(target)).to_degrees());
         for limb in ARMS {
             row.arms = row.arms.max(off(source, target, frame, limb));
         }
@@ -153,25 +172,30 @@ pub fn bodies(data: &Path) -> Vec<(&'static str, Body)> {
     let alone = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
     let own = rig::load_bytes("builtin", rig::mannequin::BUILTIN, &alone, None).expect("the built-in rig loads");
     let mut bodies = vec![("builtin", own.body)];
-    for name in
-        ["m2m_human_male.glb", "gdquest_mannequiny.glb", "kaykit_Knight.glb", "godette_vrm0.vrm", "sketchbook_boxman.glb"]
-    {
+    for name in [
+        "m2m_human_male.glb",
+        "gdquest_mannequiny.glb",
+        "kaykit_Knight.glb",
+        "godette_vrm0.vrm",
+        "sketchbook_boxman.glb",
+    ] {
         bodies.push((name, rig::load(&data.join("rigs").join(name)).expect("a rig").body));
     }
     bodies
 }
 
-
 /// One line of the table.
 pub fn line(clip: &str, body: &str, row: &Row) -> String {
     format!(
-        "  {clip:24.24} {body:14.14} {:3} pieces slip {:6.2} ({:6.1}) sink {:5.2} float {:6.2} under {:6.1} arms {:5.2} legs {:5.2} {:5.1}@{:4} knee {:4.2} pops {:2}/{:2} shake {:6.2}",
+        "  {clip:24.24} {body:14.14} {:3} pieces slip {:5.2} {:6.2} ({:6.1}) sink {:5.2} float {:6.2} under {:6.1} trunk {:4.1} arms {:4.2} legs {:5.2} {:5.1}@{:4} knee {:4.2} pops {:2}/{:2} shake {:6.2}",
         row.pieces,
         row.slip,
+        row.slip3,
         row.source,
         row.sink,
         row.float,
         row.under,
+        row.trunk,
         row.arms,
         row.legs[0],
         row.legs[1],

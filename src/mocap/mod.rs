@@ -14,6 +14,7 @@ pub mod gltf;
 mod kind;
 pub mod rate;
 pub mod retarget;
+mod retarget_cycle;
 mod retarget_feet;
 mod retarget_planted;
 mod retarget_turns;

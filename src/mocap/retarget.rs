@@ -5,8 +5,10 @@
 //! as the source's; then feet are held ([`super::retarget_feet`]) and two-bone IK takes up what is left, the pelvis sinking where a foot that
 //! bears is out of reach. Bones keep their lengths: what a capture stretches is lost. Keeps no hand off the body.
 
+pub use super::retarget_cycle::belt;
 pub use super::retarget_planted::Planted;
 
+use super::retarget_cycle::{cycle, middle as middle_of_three, moved, three, thrice};
 use super::retarget_feet::FootPlan;
 use super::retarget_planted::{SourceFeet, Stance, source_feet};
 use super::retarget_turns::{TurnMap, rest_frames};
@@ -30,6 +32,8 @@ const DEEPEST: f64 = 0.15;
 const SINKS: f64 = 0.2;
 /// Hz: what the height of the pelvis gets beside the scaled one changes no faster.
 const SETTLES: f64 = 3.0;
+/// How often legs without a foot joint are solved again.
+const STIFF_PASSES: usize = 4;
 /// m, m/s: a foot this far over the floor or this fast says little of how high the pelvis is.
 const LIGHT: (f64, f64) = (0.02, 0.6);
 
@@ -44,9 +48,19 @@ pub fn retarget_with(capture: &Capture, body: &Body, planted: &[Planted]) -> Cap
     retarget_by(capture, body, Some(planted))
 }
 
-/// When the source's feet bear, as [`retarget`] holds them.
+/// When the source's feet bear, as [`retarget`] holds them; of a walk on the spot, on the ground that goes by ([`belt`]).
 pub fn planted(capture: &Capture) -> Vec<Planted> {
-    source_feet(capture, None).stances.iter().map(|stance| stance.planted).collect()
+    source_feet(&on_its_ground(capture).0, None).stances.iter().map(|stance| stance.planted).collect()
+}
+
+/// The clip where its ground is still, and m/s, how that goes by in the clip itself.
+fn on_its_ground(capture: &Capture) -> (Capture, DVec3) {
+    let belt = belt(capture).unwrap_or(DVec3::ZERO);
+    let mut still = capture.clone();
+    if belt != DVec3::ZERO {
+        moved(&mut still, -belt);
+    }
+    (still, belt)
 }
 
 /// The same by the part of the sole that bears: each stance in pieces, and m, how high over the source's floor it stands.
@@ -62,7 +76,7 @@ pub fn planted_parts(capture: &Capture) -> Vec<(Planted, Part, f64)> {
         }
         pieces
     };
-    source_feet(capture, None).stances.into_iter().flat_map(pieces).collect()
+    source_feet(&on_its_ground(capture).0, None).stances.into_iter().flat_map(pieces).collect()
 }
 
 /// Whether two bodies have the same joints at the same places.
@@ -74,17 +88,44 @@ pub fn same_joints(a: &Body, b: &Body) -> bool {
 }
 
 fn retarget_by(capture: &Capture, body: &Body, told: Option<&[Planted]>) -> Capture {
-    let mut notes = capture.notes.clone();
-    let poses: Vec<BodyPose> = if same_joints(&capture.body, body) {
-        (0..capture.frames())
-            .map(|frame| BodyPose { hips: capture.at(frame)[0], turns: capture.turns_at(frame).to_vec() })
-            .collect()
-    } else {
-        let source = source_feet(capture, told);
-        let work = Work::new(capture, body);
-        notes.extend(work.notes(&source));
-        work.poses(&source)
+    if same_joints(&capture.body, body) {
+        let pose = |frame: usize| BodyPose { hips: capture.at(frame)[0], turns: capture.turns_at(frame).to_vec() };
+        return on_body(capture, body, &(0..capture.frames()).map(pose).collect::<Vec<_>>(), Vec::new());
+    }
+    let (still, belt) = on_its_ground(capture);
+    let frames = still.frames();
+    let travel = cycle(&still);
+    let mut out = match travel {
+        Some(travel) => {
+            let told = told.map(|told| thrice(told, frames));
+            middle_of_three(&on_ground(&three(&still, travel), body, told.as_deref()), body, frames)
+        }
+        None => on_ground(&still, body, told),
     };
+    if belt != DVec3::ZERO {
+        moved(&mut out, belt * (body.leg_length / capture.body.leg_length.max(1e-6)));
+        out.notes.push(format!("the clip walks on the spot: its ground goes by at {:.2} m/s", belt.length()));
+    }
+    if travel.is_some() {
+        out.notes.push("the clip ends as it begins, and so it does here".to_owned());
+    }
+    out
+}
+
+/// A clip whose ground is still.
+fn on_ground(capture: &Capture, body: &Body, told: Option<&[Planted]>) -> Capture {
+    let source = source_feet(capture, told);
+    let work = Work::new(capture, body);
+    on_body(capture, body, &work.poses(&source), work.notes(&source))
+}
+
+/// The capture with other poses, of another body.
+fn on_body(capture: &Capture, body: &Body, poses: &[BodyPose], notes: Vec<String>) -> Capture {
+    let joints = capture.body.joints.as_slice();
+    let pushes = capture.pushes.iter().map(|push| {
+        let role = push.joint.and_then(|joint| joints.get(joint)).map(|joint| joint.role);
+        ToldPush { joint: role.and_then(|role| body.joint(role)), ..push.clone() }
+    });
     let mut out = Capture {
         name: capture.name.clone(),
         fps: capture.fps,
@@ -95,18 +136,11 @@ fn retarget_by(capture: &Capture, body: &Body, told: Option<&[Planted]>) -> Capt
         up: capture.up.clone(),
         confidence: capture.confidence,
         method: capture.method.clone(),
-        notes,
-        pushes: capture
-            .pushes
-            .iter()
-            .map(|push| {
-                let role = push.joint.map(|joint| capture.body.joints[joint].role);
-                ToldPush { joint: role.and_then(|role| body.joint(role)), ..push.clone() }
-            })
-            .collect(),
+        notes: capture.notes.iter().cloned().chain(notes).collect(),
+        pushes: pushes.collect(),
     };
     let mut places = Vec::new();
-    for pose in &poses {
+    for pose in poses {
         pose.positions_into(body, &mut places);
         out.positions.extend_from_slice(&places);
         out.turns.extend_from_slice(&pose.turns);
@@ -158,7 +192,8 @@ impl<'a> Work<'a> {
     }
 
     fn notes(&self, source: &SourceFeet) -> Vec<String> {
-        let mut notes = vec![format!("retargeted: the way of the pelvis is {:.3} of the clip's, by leg length", self.scale)];
+        let mut notes =
+            vec![format!("retargeted: the way of the pelvis is {:.3} of the clip's, by leg length", self.scale)];
         let lacks: Vec<&str> = (self.body.joints.iter().filter(|joint| joint.animated))
             .filter(|joint| self.capture.body.joint(joint.role).is_none())
             .map(|joint| joint.role.name())
@@ -177,16 +212,31 @@ impl<'a> Work<'a> {
     }
 
     fn poses(&self, source: &SourceFeet) -> Vec<BodyPose> {
-        let frames = self.capture.frames();
-        if frames == 0 {
+        if self.turns.is_empty() {
             return Vec::new();
         }
-        let fps = self.capture.fps;
+        let mut poses = self.pass(source, None);
+        // A foot that no node moves turns with its shank, which IK turns to put the foot where it shall be.
+        if self.legs.iter().any(|leg| !self.body.joints[leg.ankle].animated) {
+            for _ in 0..STIFF_PASSES {
+                poses = self.pass(source, Some(&poses));
+            }
+        }
+        poses
+    }
+
+    /// Poses of every frame; `last`: those of the pass before.
+    fn pass(&self, source: &SourceFeet, last: Option<&[BodyPose]>) -> Vec<BodyPose> {
+        let frames = self.turns.len();
         let plans = Side::BOTH.map(|side| {
             let leg = &self.legs[side as usize];
             let toe = self.body.feet[side as usize].toe.unwrap_or(leg.ankle);
-            let raw: Vec<[DQuat; 2]> = self.turns.iter().map(|turns| [turns[leg.ankle], turns[toe]]).collect();
-            FootPlan::new(self.body, side, &raw, source, self.scale, fps)
+            let stiff = !self.body.joints[leg.ankle].animated;
+            let raw: Vec<[DQuat; 2]> = match last.filter(|_| stiff) {
+                Some(last) => last.iter().map(|pose| [pose.turns[leg.ankle], pose.turns[toe]]).collect(),
+                None => self.turns.iter().map(|turns| [turns[leg.ankle], turns[toe]]).collect(),
+            };
+            FootPlan::new(self.capture, self.body, side, &raw, source)
         });
         let mut pelvis = self.pelvis(source, &plans);
         let ankles = Side::BOTH.map(|side| {
@@ -220,8 +270,7 @@ impl<'a> Work<'a> {
         let own: Vec<DVec3> =
             (0..frames).map(|frame| middle(&self.capture.body, &|joint| self.capture.at(frame)[joint])).collect();
         let first = DVec3::new(own[0].x, 0.0, own[0].z);
-        let scaled: Vec<DVec3> =
-            own.iter().map(|own| first + (*own - first - DVec3::Y * floor) * self.scale).collect();
+        let scaled: Vec<DVec3> = own.iter().map(|own| first + (*own - first - DVec3::Y * floor) * self.scale).collect();
         let size = self.capture.body.leg_length / 0.83;
         let (light, fast) = (LIGHT.0 * size, LIGHT.1 * size.max(0.0).sqrt());
         let beside: Vec<f64> = (0..frames)

@@ -8,11 +8,13 @@ use super::retarget_planted::{Planted, SWIVELS, Sole, SourceFeet, Stance};
 use super::retarget_turns::rest_frames;
 use crate::maths::quat::{rotation_vector, yaw_of};
 use crate::model::report::Part;
-use crate::model::{Body, Side};
+use crate::model::{Body, Capture, Side};
 use glam::{DQuat, DVec3};
 
 /// s, at a leg of 0.83 m: how long an offset lasts before and after a stance.
 const BLEND: f64 = 0.15;
+/// Of the source's leg: a foot that is higher over the ground may be pitched as it likes.
+const NEAR: f64 = 0.18;
 /// rad: a sole that is tilted more than that while it stands flat stands on something else.
 const TILTED: f64 = 0.26;
 
@@ -31,15 +33,21 @@ pub(super) struct FootPlan {
 }
 
 impl FootPlan {
-    /// Plans one foot. `raw`: (frames) the target's turns of foot and toes as the source has them; `scale` is the target's size.
-    pub fn new(body: &Body, side: Side, raw: &[[DQuat; 2]], source: &SourceFeet, scale: f64, fps: f64) -> FootPlan {
+    /// Plans one foot. `raw`: (frames) the target's turns of foot and toes as the source has them.
+    pub fn new(capture: &Capture, body: &Body, side: Side, raw: &[[DQuat; 2]], source: &SourceFeet) -> FootPlan {
         let sole = Sole::of(body, side);
+        let (scale, fps) = (body.leg_length / capture.body.leg_length.max(1e-6), capture.fps);
         let stances: Vec<&Stance> = source.stances.iter().filter(|stance| stance.planted.side == side).collect();
         let spans: Vec<(usize, usize)> =
             stances.iter().map(|stance| (stance.planted.start, stance.planted.end)).collect();
         let tempo = (body.leg_length / 0.83).max(0.01).sqrt();
         let blend = ((BLEND * tempo * fps).round() as usize).max(2);
-        let turns = held_turns(body, side, raw, &stances, blend);
+        let turns = if body.joints[body.feet[side as usize].ankle].animated {
+            let raw = gentler(&capture.body, body, side, raw, &source.clearance[side as usize]);
+            held_turns(body, side, &raw, &stances, blend)
+        } else {
+            raw.to_vec()
+        };
         let ways = stances
             .iter()
             .map(|stance| {
@@ -97,6 +105,31 @@ impl FootPlan {
     }
 }
 
+/// Feet that are longer for their legs than the source's are pitched less near the ground: else a step would lift a short leg's ankle to its knee.
+fn gentler(source: &Body, body: &Body, side: Side, raw: &[[DQuat; 2]], clearance: &[f64]) -> Vec<[DQuat; 2]> {
+    let length = |body: &Body| {
+        let foot = &body.feet[side as usize];
+        (foot.tip - foot.heel) / body.leg_length.max(1e-6)
+    };
+    let longer = length(body) / length(source).max(1e-6);
+    if longer < 1.0 + 1e-6 {
+        return raw.to_vec();
+    }
+    let frame = rest_frames(body)[body.feet[side as usize].ankle];
+    let near = NEAR * source.leg_length;
+    raw.iter()
+        .zip(clearance)
+        .map(|([foot, toes], over)| {
+            let own = *foot * frame;
+            let pitch = (own * DVec3::Z).y.clamp(-1.0, 1.0).asin();
+            let gentle = (pitch.sin() / longer).asin();
+            let share = (-(over.max(0.0) / near).powi(2)).exp();
+            let back = DQuat::from_axis_angle(own * DVec3::X, (pitch - gentle) * share);
+            [(back * *foot).normalize(), (back * *toes).normalize()]
+        })
+        .collect()
+}
+
 /// Turns of foot and toes: level and still where the sole is flat, the toes also where the ball bears.
 fn held_turns(body: &Body, side: Side, raw: &[[DQuat; 2]], stances: &[&Stance], blend: usize) -> Vec<[DQuat; 2]> {
     let shape = &body.feet[side as usize];
@@ -143,7 +176,8 @@ fn level(own: &[DQuat], parts: &[Part], of: usize) -> Option<Vec<DQuat>> {
     if of == 0 && mean(&|at| (own[at] * DVec3::Y).angle_between(DVec3::Y)) > TILTED {
         return None;
     }
-    let (low, high) = counted.iter().fold((f64::MAX, f64::MIN), |(low, high), at| (low.min(yaws[*at]), high.max(yaws[*at])));
+    let (low, high) =
+        counted.iter().fold((f64::MAX, f64::MIN), |(low, high), at| (low.min(yaws[*at]), high.max(yaws[*at])));
     let still = high - low < SWIVELS;
     let middle = mean(&|at| yaws[at]);
     Some(yaws.iter().map(|yaw| DQuat::from_rotation_y(first + if still { middle } else { *yaw })).collect())

@@ -137,8 +137,13 @@ pub(super) fn source_feet(capture: &Capture, told: Option<&[Planted]>) -> Source
     let size = body.leg_length / 0.83;
     let tempo = size.max(0.0).sqrt();
     let reach = ((capture.fps / 60.0).round() as usize).max(1);
-    let mut found =
-        SourceFeet { floor: [0.0; 2], clearance: [vec![], vec![]], still: [vec![], vec![]], stances: vec![], slides: 0 };
+    let mut found = SourceFeet {
+        floor: [0.0; 2],
+        clearance: [vec![], vec![]],
+        still: [vec![], vec![]],
+        stances: vec![],
+        slides: 0,
+    };
     for side in Side::BOTH {
         let sole = Sole::of(body, side);
         let shape = &body.feet[side as usize];
@@ -165,7 +170,9 @@ pub(super) fn source_feet(capture: &Capture, told: Option<&[Planted]>) -> Source
     }
     let spans = match told {
         Some(told) => told.iter().copied().filter(|planted| planted.start <= planted.end).collect(),
-        None => Side::BOTH.into_iter().flat_map(|side| spans(&found, side, capture.fps, size, tempo)).collect::<Vec<_>>(),
+        None => {
+            Side::BOTH.into_iter().flat_map(|side| spans(&found, side, capture.fps, size, tempo)).collect::<Vec<_>>()
+        }
     };
     let frames_at_rest = rest_frames(body);
     for planted in spans {
@@ -222,7 +229,10 @@ fn mode(sorted: &[f64], width: f64) -> f64 {
     let best = found.iter().copied().fold((0.0, 0.0), |best, next| if next.0 > best.0 + 1e-9 { next } else { best });
     // Feet that hang still in a jump are over the floor, not on it.
     let low = found.iter().filter(|(weight, at)| *weight > SUPPORT * best.0 && at.abs() + 4.0 * width < best.1.abs());
-    low.copied().fold(None, |kept: Option<(f64, f64)>, next| kept.filter(|kept| kept.0 >= next.0).or(Some(next))).unwrap_or(best).1
+    low.copied()
+        .fold(None, |kept: Option<(f64, f64)>, next| kept.filter(|kept| kept.0 >= next.0).or(Some(next)))
+        .unwrap_or(best)
+        .1
 }
 
 /// When a foot bears.
@@ -277,7 +287,9 @@ fn stance(capture: &Capture, found: &SourceFeet, planted: Planted, rest: &[DQuat
         let run = parts[at..].iter().take_while(|part| **part == parts[at]).count();
         let yaws = (at..at + run).map(|at| yaw_of(capture.turns_at(planted.start + at)[ankle] * rest[ankle]));
         let first = yaw_of(capture.turns_at(planted.start + at)[ankle] * rest[ankle]);
-        let (low, high) = yaws.map(|yaw| wrap_angle(yaw - first)).fold((0.0, 0.0), |(low, high): (f64, f64), yaw| (low.min(yaw), high.max(yaw)));
+        let (low, high) = yaws
+            .map(|yaw| wrap_angle(yaw - first))
+            .fold((0.0, 0.0), |(low, high): (f64, f64), yaw| (low.min(yaw), high.max(yaw)));
         if parts[at] == Part::Flat && high - low > SWIVELS {
             parts[at..at + run].fill(Part::Ball);
         }

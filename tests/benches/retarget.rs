@@ -36,7 +36,12 @@ fn main() {
         }
         for capture in captures.iter().filter(|capture| capture.frames() > 2) {
             if verbose {
-                println!("    source: {} frames, {:.1} fps, leg {:.3}", capture.frames(), capture.fps, capture.body.leg_length);
+                println!(
+                    "    source: {} frames, {:.1} fps, leg {:.3}",
+                    capture.frames(),
+                    capture.fps,
+                    capture.body.leg_length
+                );
                 for (planted, part, height) in planted_parts(capture) {
                     println!("    {:?} {}-{} {part:?} {:+.3}", planted.side, planted.start, planted.end, height);
                 }
@@ -63,7 +68,12 @@ fn tell_pops(capture: &Capture) {
     let poses = poses(capture);
     let motion = Motion { body: &capture.body, hz: capture.fps, per_frame: 1, poses: &poses };
     for pop in Track::new(motion).map(|track| joints(&track).pops).unwrap_or_default() {
-        println!("    pop {} at frame {:.0}: {:.1} deg", pop.role.name(), pop.time * capture.fps, pop.step.to_degrees());
+        println!(
+            "    pop {} at frame {:.0}: {:.1} deg",
+            pop.role.name(),
+            pop.time * capture.fps,
+            pop.step.to_degrees()
+        );
     }
 }
 
