@@ -8,7 +8,7 @@
 pub use super::retarget_cycle::belt;
 pub use super::retarget_planted::Planted;
 
-use super::retarget_cycle::{cycle, middle as middle_of_three, moved, three, thrice};
+use super::retarget_cycle::{cycle, middle as middle_of_three, moved, stances_of_middle, three, thrice};
 use super::retarget_feet::FootPlan;
 use super::retarget_planted::{SourceFeet, Stance, source_feet};
 use super::retarget_turns::{TurnMap, rest_frames};
@@ -29,9 +29,9 @@ const STRAIGHT: f64 = 0.9999;
 /// Of the leg's length: the pelvis sinks no more for reach.
 const DEEPEST: f64 = 0.15;
 /// s, at a leg of 0.83 m: how long before it is needed, and after, the pelvis sinks.
-const SINKS: f64 = 0.2;
+const SINKS: f64 = 0.36;
 /// Hz: what the height of the pelvis gets beside the scaled one changes no faster.
-const SETTLES: f64 = 3.0;
+const SETTLES: f64 = 2.0;
 /// How often legs without a foot joint are solved again.
 const STIFF_PASSES: usize = 4;
 /// m, m/s: a foot this far over the floor or this fast says little of how high the pelvis is.
@@ -50,17 +50,7 @@ pub fn retarget_with(capture: &Capture, body: &Body, planted: &[Planted]) -> Cap
 
 /// When the source's feet bear, as [`retarget`] holds them; of a walk on the spot, on the ground that goes by ([`belt`]).
 pub fn planted(capture: &Capture) -> Vec<Planted> {
-    source_feet(&on_its_ground(capture).0, None).stances.iter().map(|stance| stance.planted).collect()
-}
-
-/// The clip where its ground is still, and m/s, how that goes by in the clip itself.
-fn on_its_ground(capture: &Capture) -> (Capture, DVec3) {
-    let belt = belt(capture).unwrap_or(DVec3::ZERO);
-    let mut still = capture.clone();
-    if belt != DVec3::ZERO {
-        moved(&mut still, -belt);
-    }
-    (still, belt)
+    stances(capture).iter().map(|stance| stance.planted).collect()
 }
 
 /// The same by the part of the sole that bears: each stance in pieces, and m, how high over the source's floor it stands.
@@ -76,7 +66,25 @@ pub fn planted_parts(capture: &Capture) -> Vec<(Planted, Part, f64)> {
         }
         pieces
     };
-    source_feet(&on_its_ground(capture).0, None).stances.into_iter().flat_map(pieces).collect()
+    stances(capture).into_iter().flat_map(pieces).collect()
+}
+
+fn stances(capture: &Capture) -> Vec<Stance> {
+    let (still, _) = on_its_ground(capture);
+    match cycle(&still) {
+        Some(travel) => stances_of_middle(source_feet(&three(&still, travel), None).stances, still.frames()),
+        None => source_feet(&still, None).stances,
+    }
+}
+
+/// The clip where its ground is still, and m/s, how that goes by in the clip itself.
+fn on_its_ground(capture: &Capture) -> (Capture, DVec3) {
+    let belt = belt(capture).unwrap_or(DVec3::ZERO);
+    let mut still = capture.clone();
+    if belt != DVec3::ZERO {
+        moved(&mut still, -belt);
+    }
+    (still, belt)
 }
 
 /// Whether two bodies have the same joints at the same places.
@@ -239,14 +247,17 @@ impl<'a> Work<'a> {
             FootPlan::new(self.capture, self.body, side, &raw, source)
         });
         let mut pelvis = self.pelvis(source, &plans);
-        let ankles = Side::BOTH.map(|side| {
-            let own: Vec<DVec3> = (0..frames).map(|frame| pelvis[frame] + self.hanging(frame, side)).collect();
-            plans[side as usize].ankles(&own)
-        });
-        let sinks = self.sinking(&pelvis, &ankles, &plans);
+        let ankles = |pelvis: &[DVec3]| {
+            Side::BOTH.map(|side| {
+                let own: Vec<DVec3> = (0..frames).map(|frame| pelvis[frame] + self.hanging(frame, side)).collect();
+                plans[side as usize].ankles(&own)
+            })
+        };
+        let sinks = self.sinking(&pelvis, &ankles(&pelvis), &plans);
         for (place, sunk) in pelvis.iter_mut().zip(sinks) {
             place.y -= sunk;
         }
+        let ankles = ankles(&pelvis);
         (0..frames)
             .map(|frame| {
                 let goals = Side::BOTH.map(|side| ankles[side as usize][frame]);

@@ -4,7 +4,7 @@
 //! out lets the feet stand still. A clip that ends as it began is played three times and the middle one kept, so that what is held and eased
 //! across the seam is the same on both sides of it. Turns of the heading between the ends are no cycle here.
 
-use super::retarget_planted::{Planted, Sole};
+use super::retarget_planted::{Planted, Sole, Stance};
 use crate::model::report::Part;
 use crate::model::{Body, Capture, Side};
 use glam::{DQuat, DVec3};
@@ -125,4 +125,19 @@ pub(super) fn thrice(planted: &[Planted], frames: usize) -> Vec<Planted> {
         joined
     });
     all
+}
+
+/// The stances of three cycles that lie in the middle one, by its frames.
+pub(super) fn stances_of_middle(stances: Vec<Stance>, frames: usize) -> Vec<Stance> {
+    let (first, last) = (frames - 1, 2 * (frames - 1));
+    let cut = |stance: Stance| {
+        let Planted { side, start, end } = stance.planted;
+        let (from, to) = (start.max(first), end.min(last));
+        (from <= to).then(|| Stance {
+            planted: Planted { side, start: from - first, end: to - first },
+            parts: stance.parts[from - start..=to - start].to_vec(),
+            height: stance.height,
+        })
+    };
+    stances.into_iter().filter_map(cut).collect()
 }

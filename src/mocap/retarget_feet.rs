@@ -15,6 +15,12 @@ use glam::{DQuat, DVec3};
 const BLEND: f64 = 0.15;
 /// Of the source's leg: a foot that is higher over the ground may be pitched as it likes.
 const NEAR: f64 = 0.18;
+/// m at a leg of 0.83 m: a foot lower than that over the ground is placed by its sole, one over the second swings as its leg does.
+const FREE: (f64, f64) = (0.02, 0.1);
+/// Of the source's clearance: a swinging foot keeps that much at least.
+const SHARE: f64 = 0.3;
+/// Of the leg: over so much a swing's height goes over to its least.
+const SOFT: f64 = 0.03;
 /// rad: a sole that is tilted more than that while it stands flat stands on something else.
 const TILTED: f64 = 0.26;
 
@@ -27,9 +33,12 @@ pub(super) struct FootPlan {
     pub height: Vec<f64>,
     /// 1 in a stance, 0 far from one.
     pub bears: Vec<f64>,
+    /// (frames) how much a swing is the leg's own matter: 1 well over the ground; and m, how low its ankle may come then.
+    free: Vec<(f64, f64)>,
     spans: Vec<(usize, usize)>,
     ways: Vec<Vec<DVec3>>,
     blend: usize,
+    soft: f64,
 }
 
 impl FootPlan {
@@ -80,10 +89,18 @@ impl FootPlan {
                 if bears[frame] < 1.0 { height.max(lowest) } else { height }
             })
             .collect();
-        FootPlan { turns, height, bears, spans, ways, blend }
+        let free = (source.clearance[side as usize].iter().zip(&turns).zip(&bears))
+            .map(|((over, turn), bears)| {
+                let size = capture.body.leg_length / 0.83;
+                let u = ((over / size - FREE.0) / (FREE.1 - FREE.0)).clamp(0.0, 1.0);
+                let least = scale * (least + SHARE * (over - least).max(0.0));
+                (u * u * (3.0 - 2.0 * u) * (1.0 - bears), least - sole.lowest(turn[0], turn[1]))
+            })
+            .collect();
+        FootPlan { turns, height, bears, free, spans, ways, blend, soft: SOFT * body.leg_length }
     }
 
-    /// m, (frames) where the ankle shall be: at its height, level where it would come by itself, but held in stances.
+    /// m, (frames) where the ankle shall be: at its height, well over the ground and level where it would come by itself, held in stances.
     pub fn ankles(&self, own: &[DVec3]) -> Vec<DVec3> {
         let offsets: Vec<Vec<DVec3>> = self
             .spans
@@ -99,10 +116,20 @@ impl FootPlan {
         let offsets = carried(own.len(), &self.spans, &offsets, self.blend);
         own.iter()
             .zip(offsets)
-            .zip(&self.height)
-            .map(|((own, offset), height)| DVec3::new(own.x + offset.x, *height, own.z + offset.z))
+            .enumerate()
+            .map(|(frame, (own, offset))| {
+                let (height, (free, least)) = (self.height[frame], self.free[frame]);
+                let swung = greater(own.y, least, self.soft);
+                DVec3::new(own.x + offset.x, height + (swung - height) * free, own.z + offset.z)
+            })
             .collect()
     }
+}
+
+/// The greater of two, without a corner.
+fn greater(one: f64, other: f64, soft: f64) -> f64 {
+    let near = (soft - (one - other).abs()).max(0.0);
+    one.max(other) + near * near / (4.0 * soft.max(1e-9))
 }
 
 /// Feet that are longer for their legs than the source's are pitched less near the ground: else a step would lift a short leg's ankle to its knee.

@@ -214,7 +214,7 @@ fn floors(found: &SourceFeet, size: f64, tempo: f64) -> [f64; 2] {
     })
 }
 
-/// The value around which most lie, of sorted ones; of values around which many lie the one that is nearest to 0.
+/// The value around which most lie, of sorted ones; of lower ones around which many lie, one that is nearer to 0.
 fn mode(sorted: &[f64], width: f64) -> f64 {
     let thinned: Vec<f64> = sorted.iter().copied().step_by(sorted.len().div_ceil(2000).max(1)).collect();
     let around = |value: f64| {
@@ -228,7 +228,9 @@ fn mode(sorted: &[f64], width: f64) -> f64 {
     let found: Vec<(f64, f64)> = thinned.iter().map(|value| around(*value)).collect();
     let best = found.iter().copied().fold((0.0, 0.0), |best, next| if next.0 > best.0 + 1e-9 { next } else { best });
     // Feet that hang still in a jump are over the floor, not on it.
-    let low = found.iter().filter(|(weight, at)| *weight > SUPPORT * best.0 && at.abs() + 4.0 * width < best.1.abs());
+    let low = found
+        .iter()
+        .filter(|(weight, at)| *weight > SUPPORT * best.0 && *at < best.1 && at.abs() + 4.0 * width < best.1.abs());
     low.copied()
         .fold(None, |kept: Option<(f64, f64)>, next| kept.filter(|kept| kept.0 >= next.0).or(Some(next)))
         .unwrap_or(best)

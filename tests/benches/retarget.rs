@@ -9,12 +9,13 @@
 #[path = "../retarget_grid.rs"]
 mod retarget_grid;
 
+use glam::DVec3;
 use retarget_grid::{FILES, bodies, clips, line, measured, poses};
 use std::path::{Path, PathBuf};
 use surefoot::measure::joints::joints;
 use surefoot::measure::{Motion, Track};
 use surefoot::mocap::retarget::{planted_parts, retarget};
-use surefoot::model::Capture;
+use surefoot::model::{Body, Capture, Role};
 use surefoot::picture::{Overlay, png, stick_strip};
 
 fn main() {
@@ -53,6 +54,7 @@ fn main() {
                 let target = retarget(capture, body);
                 println!("{}", line(&capture.name, name, &measured(capture, &target)));
                 if verbose {
+                    println!("    lean at rest: {:.1} to {:.1} deg", lean(&capture.body), lean(body));
                     tell_pops(&target);
                     target.notes.iter().for_each(|note| println!("    note {note}"));
                 }
@@ -62,6 +64,13 @@ fn main() {
             }
         }
     }
+}
+
+/// How far the trunk leans forward at rest, degrees.
+fn lean(body: &Body) -> f64 {
+    let at = |role: Role| body.joint(role).map_or(DVec3::ZERO, |joint| body.joints[joint].rest);
+    let trunk = at(Role::LeftUpperArm) + at(Role::RightUpperArm) - at(Role::LeftUpperLeg) - at(Role::RightUpperLeg);
+    trunk.z.atan2(trunk.y).to_degrees()
 }
 
 fn tell_pops(capture: &Capture) {
