@@ -152,7 +152,8 @@ pub fn measured(source: &Capture, target: &Capture) -> Row {
     let square = source.fps * source.fps;
     for frame in 1..source.frames() - 1 {
         let bend = |capture: &Capture, scale: f64| {
-            let y = |frame: usize| capture.at(frame)[0].y;
+            let leg = |frame: usize, role: Role| capture.at(frame)[capture.body.joint(role).expect("a leg")].y;
+            let y = |frame: usize| 0.5 * (leg(frame, Role::LeftUpperLeg) + leg(frame, Role::RightUpperLeg));
             (y(frame + 1) - 2.0 * y(frame) + y(frame - 1)) * scale * square
         };
         row.shake = row.shake.max((bend(target, 1.0) - bend(source, scale)).abs());

@@ -17,6 +17,7 @@ pub mod retarget;
 mod retarget_cycle;
 mod retarget_feet;
 mod retarget_planted;
+mod retarget_pose;
 mod retarget_turns;
 pub mod skeleton;
 pub mod unit;

@@ -4,7 +4,7 @@
 //! out lets the feet stand still. A clip that ends as it began is played three times and the middle one kept, so that what is held and eased
 //! across the seam is the same on both sides of it. Turns of the heading between the ends are no cycle here.
 
-use super::retarget_planted::{Planted, Sole, Stance};
+use super::retarget_planted::{Planted, Sole, Stance, merged};
 use crate::model::report::Part;
 use crate::model::{Body, Capture, Side};
 use glam::{DQuat, DVec3};
@@ -110,21 +110,14 @@ pub(super) fn middle(long: &Capture, body: &Body, frames: usize) -> Capture {
 /// Stances of one cycle in three; what ends with it goes on with the next.
 pub(super) fn thrice(planted: &[Planted], frames: usize) -> Vec<Planted> {
     let once = frames - 1;
-    let mut all: Vec<Planted> = (0..3)
+    let all: Vec<Planted> = (0..3)
         .flat_map(|round| {
             let by = round * once;
-            planted.iter().map(move |one| Planted { start: one.start + by, end: one.end.min(once) + by, ..*one })
+            let inside = planted.iter().filter(|one| one.start <= once);
+            inside.map(move |one| Planted { start: one.start + by, end: one.end.min(once) + by, ..*one })
         })
         .collect();
-    all.sort_by_key(|one| (one.side as usize, one.start));
-    all.dedup_by(|next, kept| {
-        let joined = next.side == kept.side && next.start <= kept.end + 1;
-        if joined {
-            kept.end = kept.end.max(next.end);
-        }
-        joined
-    });
-    all
+    merged(&all)
 }
 
 /// The stances of three cycles that lie in the middle one, by its frames.

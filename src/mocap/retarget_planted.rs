@@ -106,7 +106,7 @@ impl<'a> Sole<'a> {
     pub fn standing(&self, part: Part, foot: DQuat, toes: DQuat) -> f64 {
         let lowest = -self.lowest(foot, toes);
         let hair = HAIR * self.body.leg_length / 0.83;
-        if part == Part::Heel { (-(foot * self.heel).y).clamp(lowest - hair, lowest) } else { lowest }
+        if part == Part::Heel { (-(foot * self.heel).y).max(lowest - hair).min(lowest) } else { lowest }
     }
 
     /// m, what a foot turns about, against the ankle: the heel, else the toe joint or, without one, the tip.
@@ -168,11 +168,9 @@ pub(super) fn source_feet(capture: &Capture, told: Option<&[Planted]>) -> Source
         let floor = found.floor[side as usize];
         found.clearance[side as usize].iter_mut().for_each(|low| *low -= floor);
     }
-    let spans = match told {
-        Some(told) => told.iter().copied().filter(|planted| planted.start <= planted.end).collect(),
-        None => {
-            Side::BOTH.into_iter().flat_map(|side| spans(&found, side, capture.fps, size, tempo)).collect::<Vec<_>>()
-        }
+    let spans: Vec<Planted> = match told {
+        Some(told) => merged(told),
+        None => Side::BOTH.into_iter().flat_map(|side| spans(&found, side, capture.fps, size, tempo)).collect(),
     };
     let frames_at_rest = rest_frames(body);
     for planted in spans {
@@ -235,6 +233,20 @@ fn mode(sorted: &[f64], width: f64) -> f64 {
         .fold(None, |kept: Option<(f64, f64)>, next| kept.filter(|kept| kept.0 >= next.0).or(Some(next)))
         .unwrap_or(best)
         .1
+}
+
+/// Stances that touch made one, by foot and start.
+pub(super) fn merged(told: &[Planted]) -> Vec<Planted> {
+    let mut all: Vec<Planted> = told.iter().copied().filter(|one| one.start <= one.end).collect();
+    all.sort_by_key(|one| (one.side as usize, one.start, one.end));
+    all.dedup_by(|next, kept| {
+        let touches = next.side == kept.side && next.start <= kept.end.saturating_add(1);
+        if touches {
+            kept.end = kept.end.max(next.end);
+        }
+        touches
+    });
+    all
 }
 
 /// When a foot bears.
