@@ -47,8 +47,8 @@ fn directions_are_the_clips_and_feet_are_held_on_every_body() {
                 // A foot without a joint turns with its shank, and no knee can hold it then.
                 let stiff = name.contains("boxman");
                 // A chibi's lunge takes a grown person's hips farther than legs reach.
-                let chibi = file.contains("Knight");
-                assert!(row.slip < if stiff || chibi { 70.0 } else { 1.0 }, "{place}");
+                let lunges = if file.contains("Knight") { 20.0 } else { 1.0 };
+                assert!(row.slip < if stiff { 60.0 } else { lunges }, "{place}");
                 assert!(row.sink < if stiff { 10.0 } else { 5.0 }, "{place}");
             }
         }
@@ -77,7 +77,9 @@ fn there_and_back_again_is_nearly_the_clip() {
                     legs += off / (4 * source.frames()) as f64;
                     worst = worst.max(off);
                 }
-                place = place.max(source.at(frame)[0].distance(back.at(frame)[0]));
+                let between = |frame: usize| back.at(frame)[0] - source.at(frame)[0];
+                // The floor of the clip became y = 0.
+                place = place.max((between(frame) - between(0)).length());
             }
             println!(
                 "{:20} {name:24} arms {arms:.4} legs {legs:5.2} worst {worst:5.1} deg hips {:5.1} mm",
@@ -85,8 +87,10 @@ fn there_and_back_again_is_nearly_the_clip() {
                 1000.0 * place
             );
             assert!(arms < 0.01, "{name}: {arms}");
-            assert!(legs < 8.0, "{name}: {legs}");
-            assert!(place < 0.1, "{name}: {place}");
+            // Feet twice as long for their legs cost something both ways.
+            let chibi = name.contains("Knight");
+            assert!(legs < if chibi { 15.0 } else { 5.0 }, "{name}: {legs}");
+            assert!(place < if chibi { 0.2 } else { 0.1 }, "{name}: {place}");
         }
     }
 }
@@ -120,6 +124,10 @@ fn a_cycle_ends_as_it_begins_on_every_body() {
             let last = out.frames() - 1;
             let own = capture.turns_at(0).iter().zip(capture.turns_at(last)).map(|(a, b)| a.angle_between(*b));
             let own = own.fold(0.0, f64::max);
+            if own > 0.01 {
+                println!("{}: its own ends are {:.1} degrees apart: no cycle", out.name, own.to_degrees());
+                continue;
+            }
             let off = out.turns_at(0).iter().zip(out.turns_at(last)).map(|(a, b)| a.angle_between(*b));
             let off = off.fold(0.0, f64::max);
             let moved = (out.at(0)[0] - out.at(last)[0]).length();
@@ -130,7 +138,7 @@ fn a_cycle_ends_as_it_begins_on_every_body() {
                 own.to_degrees(),
                 1000.0 * moved
             );
-            assert!(off < own + 0.002 && moved < 0.01, "{} on {name}: {off} rad, {moved} m", out.name);
+            assert!(off < own + 0.01 && moved < 0.005, "{} on {name}: {off} rad, {moved} m", out.name);
         }
     }
 }

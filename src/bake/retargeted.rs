@@ -49,7 +49,7 @@ pub fn retargeted(rig: &Rig, source: &Capture, options: &RetargetOptions) -> Opt
     let sound = |capture: &Capture| {
         capture.positions.iter().all(|place| place.is_finite()) && capture.turns.iter().all(|turn| turn.is_finite())
     };
-    if source.frames() < 2 || !(source.fps > 0.0) || !sound(source) {
+    if source.frames() < 2 || source.fps <= 0.0 || !source.fps.is_finite() || !sound(source) {
         return None;
     }
     let known = source.notes.len();

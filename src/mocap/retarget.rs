@@ -87,9 +87,9 @@ fn retarget_by(capture: &Capture, body: &Body, told: Option<&[Planted]>) -> Capt
     let mut out = match travel {
         Some(travel) => {
             let told = told.map(|told| thrice(told, frames));
-            middle_of_three(&on_ground(&three(&still, travel), body, told.as_deref()), body, frames)
+            middle_of_three(&on_ground(&three(&still, travel), body, told.as_deref(), Some(frames)), body, frames)
         }
-        None => on_ground(&still, body, told),
+        None => on_ground(&still, body, told, None),
     };
     if belt != DVec3::ZERO {
         moved(&mut out, belt * (body.leg_length / capture.body.leg_length.max(1e-6)));
@@ -101,11 +101,15 @@ fn retarget_by(capture: &Capture, body: &Body, told: Option<&[Planted]>) -> Capt
     out
 }
 
-/// A clip whose ground is still.
-fn on_ground(capture: &Capture, body: &Body, told: Option<&[Planted]>) -> Capture {
+/// A clip whose ground is still. `cycle`: its frames, where it is three times one.
+fn on_ground(capture: &Capture, body: &Body, told: Option<&[Planted]>, cycle: Option<usize>) -> Capture {
     let source = source_feet(capture, told);
     let work = Work::new(capture, body);
-    on_body(capture, body, &work.poses(&source), work.notes(&source))
+    let (held, slides) = match cycle {
+        Some(frames) => (stances_of_middle(source.stances.clone(), frames).len(), source.slides.div_ceil(3)),
+        None => (source.stances.len(), source.slides),
+    };
+    on_body(capture, body, &work.poses(&source), work.notes(held, slides))
 }
 
 /// The capture with other poses, of another body.

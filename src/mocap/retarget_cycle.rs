@@ -88,14 +88,13 @@ pub(super) fn cycle(capture: &Capture) -> Option<DVec3> {
 /// Three cycles, the first of which begins one travel earlier: the middle one is the clip.
 pub(super) fn three(capture: &Capture, travel: DVec3) -> Capture {
     let joints = capture.body.joints.len();
-    let once = (capture.frames() - 1) * joints;
+    let whole = capture.positions.len();
     let mut long = Capture { positions: Vec::new(), turns: Vec::new(), ..capture.clone() };
-    for round in [-1.0, 0.0, 1.0] {
-        long.positions.extend(capture.positions[..once].iter().map(|place| *place + travel * round));
-        long.turns.extend_from_slice(&capture.turns[..once]);
+    // The middle one has both of its ends.
+    for (round, range) in [(-1.0, 0..whole - joints), (0.0, 0..whole), (1.0, joints..whole)] {
+        long.positions.extend(capture.positions[range.clone()].iter().map(|place| *place + travel * round));
+        long.turns.extend_from_slice(&capture.turns[range]);
     }
-    long.positions.extend(capture.positions[once..].iter().map(|place| *place + travel));
-    long.turns.extend_from_slice(&capture.turns[once..]);
     long
 }
 

@@ -241,10 +241,11 @@ fn carried(frames: usize, spans: &[(usize, usize)], offsets: &[Vec<DVec3>], blen
         // No speed may carry it farther off than it is.
         let bound = |speed: DVec3| speed.clamp_length_max(1.5 * from.1.distance(to.1) / length);
         let (start, end) = (bound(from.2) * length, bound(to.2) * length);
-        for frame in from.0 + 1..to.0.min(frames) {
+        let between = out.iter_mut().enumerate().take(to.0).skip(from.0 + 1);
+        for (frame, out) in between {
             let u = (frame - from.0) as f64 / length;
             let (u2, u3) = (u * u, u * u * u);
-            out[frame] = from.1 * (2.0 * u3 - 3.0 * u2 + 1.0)
+            *out = from.1 * (2.0 * u3 - 3.0 * u2 + 1.0)
                 + start * (u3 - 2.0 * u2 + u)
                 + to.1 * (3.0 * u2 - 2.0 * u3)
                 + end * (u3 - u2);

@@ -21,7 +21,7 @@ const GAP: f64 = 0.05;
 /// m: a stance that slides farther is none.
 const SLIDES: f64 = 0.12;
 /// rad: a foot that is pitched less stands flat; one that stands flat does so up to the second.
-const FLAT: (f64, f64) = (0.12, 0.18);
+const FLAT: (f64, f64) = (0.1, 0.13);
 /// m: a stance that is lower than that over the floor, or under it, stands on it.
 const SAME_FLOOR: f64 = 0.06;
 /// m: the feet's own floors differ by no more.

@@ -73,7 +73,7 @@ impl<'a> Work<'a> {
     }
 
     /// What was done, for a person.
-    pub fn notes(&self, source: &SourceFeet) -> Vec<String> {
+    pub fn notes(&self, held: usize, slides: usize) -> Vec<String> {
         let mut notes =
             vec![format!("retargeted: the way of the pelvis is {:.3} of the clip's, by leg length", self.scale)];
         let lacks: Vec<&str> = (self.body.joints.iter().filter(|joint| joint.animated))
@@ -83,8 +83,7 @@ impl<'a> Work<'a> {
         if !lacks.is_empty() {
             notes.push(format!("the clip has no {}: they go with what they hang from", lacks.join(", ")));
         }
-        let held = source.stances.len();
-        notes.push(match (held, source.slides) {
+        notes.push(match (held, slides) {
             (0, 0) => "no foot of the clip stands still: none is held".to_owned(),
             (0, slides) => format!("feet slide through all of {slides} stances: none is held"),
             (held, 0) => format!("feet are held in {held} stances"),
