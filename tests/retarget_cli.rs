@@ -41,8 +41,15 @@ fn a_baked_clip_of_a_tall_rig_plays_on_the_built_in_one() {
     let options = RetargetOptions { name: None, fps: None, root: RootMotion::Root };
     let meant = retargeted(&rig, &read("shoved.glb").1, &options).expect("a motion");
     assert_eq!(back.frames(), meant.capture.frames());
-    let off = back.positions.iter().zip(&meant.capture.positions).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
-    assert!(off < 2e-3, "what was written is {off} m off");
+    let ankles = rig.body.feet.each_ref().map(|foot| foot.ankle);
+    let off = |wanted: &dyn Fn(usize) -> bool| {
+        let pairs = back.positions.iter().zip(&meant.capture.positions).enumerate();
+        let pairs = pairs.filter(|(index, _)| wanted(index % rig.body.joints.len()));
+        pairs.map(|(_, (a, b))| a.distance(*b)).fold(0.0, f64::max)
+    };
+    // Keys are left out where a hand goes no more than millimetres astray for it.
+    let (all, feet) = (off(&|_| true), off(&|joint| ankles.contains(&joint)));
+    assert!(all < 6e-3 && feet < 1e-3, "what was written is {all} m off, feet {feet} m");
     let report = &meant.report;
     assert!(report.contacts.len() >= 4 && report.disturbances.len() == 1, "{report:?}");
     let slip = report.contacts.iter().map(|contact| contact.slip_mm).fold(0.0, f64::max);
