@@ -56,6 +56,12 @@ mod picture;
 mod ragdoll;
 /// The articulated body walking.
 mod ragdoll_walk;
+/// Clips on other bodies: directions, held feet, knees.
+mod retarget;
+/// `surefoot retarget` at the shell: files, words, what it refuses.
+mod retarget_cli;
+/// Clips x bodies and what came out, for the test and the bench.
+mod retarget_grid;
 /// Rigs made from others or from nothing: scales, axes, skins, naming conventions, lacking bones, overrides.
 mod rig_variants;
 /// Real rigs: bones, height, heading, unit.

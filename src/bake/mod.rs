@@ -21,6 +21,7 @@ pub mod props;
 pub mod ragdoll;
 mod reach;
 mod report;
+pub mod retargeted;
 pub mod root_motion;
 mod swing;
 pub mod throws;
