@@ -150,7 +150,20 @@ impl Gait {
         self.falls.clear();
         for side in Side::BOTH {
             let own: Vec<&Bears> = self.contacts.iter().filter(|contact| contact.side == side).collect();
-            let (targets, held) = hold(body, side, &self.frames, &own, (self.fps, size), &exact);
+            // The left foot's contacts may have become shorter.
+            let fps = self.fps;
+            let falls = self.falls.clone();
+            let other = |frame: usize| match side {
+                Side::Left => {
+                    let mut right = self.contacts.iter().filter(|contact| contact.side == Side::Right);
+                    right.any(|contact| (contact.start..=contact.end).contains(&frame))
+                }
+                Side::Right => {
+                    let time = frame as f64 / fps;
+                    falls.iter().any(|fall: &Fall| fall.down <= time + 1e-9 && time <= fall.up + 1e-9)
+                }
+            };
+            let (targets, held) = hold(body, side, &self.frames, &own, (fps, size), (&exact, &other));
             self.feet[side as usize] = targets;
             self.falls.extend(held);
         }
@@ -389,7 +402,7 @@ fn low(body: &Body, frames: &[BaseFrame], size: f64) -> Vec<Bears> {
     let floor = heights.iter().flatten().copied().fold(f64::INFINITY, f64::min);
     let mut list = Vec::new();
     for side in Side::BOTH {
-        let is_low = |frame: usize| heights[frame][side as usize] - floor < 0.8 * LOW * size;
+        let is_low = |frame: usize| heights[frame][side as usize] - floor < 0.8 * LOW * size.max(0.8);
         let mut frame = 0;
         while frame < frames.len() {
             if !is_low(frame) {
@@ -449,7 +462,7 @@ fn hold(
     frames: &[BaseFrame],
     contacts: &[&Bears],
     (fps, size): (f64, f64),
-    exact: &[usize],
+    (exact, other): (&[usize], &dyn Fn(usize) -> bool),
 ) -> (Vec<FootTarget>, Vec<Fall>) {
     let shape = &body.feet[side as usize];
     let role = if side == Side::Left { Role::LeftFoot } else { Role::RightFoot };
@@ -486,23 +499,22 @@ fn hold(
             let off = posed[frame].ankle + posed[frame].foot * to_point - lies.ankle - lies.foot * to_point;
             off.y > OVER * size || (off * DVec3::new(1.0, 0.0, 1.0)).length() > OFF * size
         };
-        while first < flat_from && away(first, to_heel) {
+        while first < flat_from && away(first, to_heel) && other(first) {
             first += 1;
         }
-        while last > flat_to && away(last, to_ball) {
+        while last > flat_to && away(last, to_ball) && other(last) {
             last -= 1;
         }
         let kept = kept.filter(|frame| (first..=last).contains(frame));
         // What it turns about then is where the clip has it.
-        let level = DVec3::new(1.0, 0.0, 1.0);
         match kept {
             Some(frame) if frame < flat_from => {
                 let heel_of = |posed: &Posed| posed.ankle + posed.foot * to_heel;
-                lies.ankle += (heel_of(&posed[frame]) - heel_of(&lies)) * level;
+                lies.ankle += heel_of(&posed[frame]) - heel_of(&lies);
             }
             Some(frame) if frame > flat_to => {
                 let ball_of = |posed: &Posed| posed.ankle + posed.foot * to_ball;
-                lies.ankle += (ball_of(&posed[frame]) - ball_of(&lies)) * level;
+                lies.ankle += ball_of(&posed[frame]) - ball_of(&lies);
             }
             _ => {}
         }
