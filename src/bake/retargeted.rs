@@ -184,6 +184,7 @@ fn report(
         duration: clip.duration,
         seed: 0,
         root_motion: options.root.name().into(),
+        base: None,
         drive: "retarget".into(),
         scenario: source.name.clone(),
         outcome: findings.as_ref().map_or(Outcome::Still, |findings| findings.balance.outcome(steps)),
