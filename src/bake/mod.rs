@@ -12,6 +12,7 @@ pub mod carried;
 mod clearance;
 pub mod contacts;
 pub mod feet;
+mod feet_based;
 pub mod footing;
 pub mod keys;
 mod knees;
