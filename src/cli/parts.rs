@@ -37,13 +37,19 @@ pub fn new_rig(height: Option<f64>, leg_scale: Option<f64>) -> Vec<u8> {
     })
 }
 
+impl From<Root> for RootMotion {
+    fn from(root: Root) -> RootMotion {
+        match root {
+            Root::Root => RootMotion::Root,
+            Root::Hips => RootMotion::Hips,
+            Root::InPlace => RootMotion::InPlace,
+        }
+    }
+}
+
 /// Runs a scenario on a rig.
 pub fn bake(rig: &Rig, scenario: &Scenario, args: &BakeArgs) -> Result<Baked, Failure> {
-    let root = match args.root {
-        Root::Root => RootMotion::Root,
-        Root::Hips => RootMotion::Hips,
-        Root::InPlace => RootMotion::InPlace,
-    };
+    let root = RootMotion::from(args.root);
     let helped = match args.assist {
         Assist::Auto => Helped::Auto,
         Assist::Off => Helped::Within(Default::default()),
@@ -63,26 +69,37 @@ pub fn bake(rig: &Rig, scenario: &Scenario, args: &BakeArgs) -> Result<Baked, Fa
     })
 }
 
-/// The bytes of a baked file and of the events beside it.
+/// The bytes of a baked file and of what stands beside it.
 pub struct Exported {
-    /// The rig's document with the clip in it.
-    pub glb: Vec<u8>,
+    /// The rig's document with the clip in it, or a VRM animation.
+    pub file: Vec<u8>,
     /// `{ clip name: report }`.
     pub events: Vec<u8>,
     /// The name that the clip got.
     pub name: String,
-    /// What had to change in the source's own values.
+    /// What had to change in the source's own values, or could not be said.
     pub changes: Vec<String>,
 }
 
+/// Whether a file of that name is a VRM animation: the motion without the rig.
+pub fn is_vrma(output: &Path) -> bool {
+    output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("vrma"))
+}
+
 /// Makes the files of a baked clip; `with_props`: the things beside the body too.
-pub fn exported(rig: &Rig, baked: &Baked, with_props: bool) -> Result<Exported, Failure> {
+pub fn exported(rig: &Rig, baked: &Baked, output: &Path, with_props: bool) -> Result<Exported, Failure> {
     let failed = |error: export::ExportError| Failure::failed(error.to_string());
+    if is_vrma(output) {
+        let name = baked.clip.name.clone();
+        let made = export::vrma(rig, &baked.clip, &baked.report).map_err(failed)?;
+        let events = export::events_json([(name.as_str(), &made.report)]).map_err(failed)?;
+        return Ok(Exported { file: made.bytes, events, name, changes: made.losses });
+    }
     let clips = [(baked.clip.clone(), baked.report.clone())];
     let file = export::glb_with_props(rig, &clips, if with_props { &baked.props } else { &[] }).map_err(failed)?;
     let name = file.names.into_iter().next().unwrap_or_else(|| baked.clip.name.clone());
     let events = export::events_json([(name.as_str(), &baked.report)]).map_err(failed)?;
-    Ok(Exported { glb: file.bytes, events, name, changes: file.changes })
+    Ok(Exported { file: file.bytes, events, name, changes: file.changes })
 }
 
 /// A contact sheet as PNG bytes, with what stands beside the body.

@@ -2,13 +2,18 @@
 
 pub mod amend;
 mod buffers;
+pub mod engine;
 pub mod events;
 pub mod glb;
 mod props;
+mod tpose;
+pub mod vrma;
 
 pub use amend::{Amended, amend};
 pub use events::events_json;
 pub use glb::{ExportedGlb, glb, glb_with_props};
+pub use tpose::t_pose;
+pub use vrma::{ExportedVrma, vrma};
 
 /// Why a clip could not be written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
