@@ -24,6 +24,8 @@ mod clip_ground;
 mod common;
 /// Corrections: planted faults that go, frames and files that stay.
 mod correct;
+/// What stands beside a clip for an engine: written whole, run where it can be.
+mod engines;
 /// Baked files: the source kept whole, read again, by the Khronos validator, three.js.
 mod export;
 /// The same for rigs that nobody here made: slip, keys, the Khronos validator.
@@ -64,6 +66,8 @@ mod stances;
 mod stepper;
 /// Rigs and motions made by hand for the modules above.
 mod synthetic;
+/// VRM animations: the specification, the same pose, read back.
+mod vrma;
 /// The scenarios of walks.
 mod walk_grid;
 /// Walking: speeds, the paper's cases, pushes, turns, sizes.

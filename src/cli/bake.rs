@@ -60,7 +60,7 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
 
     let root = crate::bake::RootMotion::from(args.root);
     for engine in engines.iter().filter(|engine| !engine.takes(root.name())) {
-        warn(format!("{} takes root motion as {}", engine.title, engine.root));
+        warn(format!("{} takes root motion from {}", engine.title, engine.root));
     }
 
     let baked = parts::bake(&rig, &scenario, args)?;
