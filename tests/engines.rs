@@ -2,6 +2,8 @@
 //!
 //! A baked clip with its helpers stays in target/engines, where tests/tools runs them: in Chromium, in Bevy, and by hand in Blender.
 
+#![expect(clippy::print_stdout, reason = "tests tell what they lack")]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -115,6 +117,76 @@ fn root_motion_that_an_engine_cannot_take_is_warned_of() {
     assert!(told.contains("Unreal Engine takes root motion from the skeleton's root bone"), "{told}");
     assert!(!told.contains("three.js"), "{told}");
     assert!(!bake("root").contains("Unreal"));
+}
+
+/// Each skin's joints, and how many inverse bind matrices it has.
+fn skins(file: &Path) -> Vec<(Vec<u64>, Option<u64>)> {
+    let bytes = fs::read(file).expect("there");
+    gltf::Gltf::from_slice(&bytes).expect("the gltf crate reads it");
+    let (json, _) = crate::export::json_of(&bytes);
+    let numbers =
+        |list: &serde_json::Value| list.as_array().expect("joints").iter().filter_map(|one| one.as_u64()).collect();
+    let skins = json["skins"].as_array().cloned().unwrap_or_default();
+    let count = |skin: &serde_json::Value| {
+        let accessor = skin["inverseBindMatrices"].as_u64()? as usize;
+        json["accessors"][accessor]["count"].as_u64()
+    };
+    skins.iter().map(|skin| (numbers(&skin["joints"]), count(skin))).collect()
+}
+
+#[test]
+fn a_new_root_is_a_bone_where_the_engine_wants_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let data = std::env::var_os("SUREFOOT_DATA")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
+    // One has no root, and nodes between the scene and its joints; one has a root that is no joint; one is right as it is.
+    for (source, joined) in [("khronos_CesiumMan.gltf", 3), ("gdquest_mannequiny.glb", 1), ("m2m_human_male.glb", 0)] {
+        let rig = data.join("rigs").join(source);
+        if !rig.is_file() {
+            println!("skipped: no {}", rig.display());
+            return;
+        }
+        root_as_bone(folder.path(), &rig, source, joined);
+    }
+}
+
+fn root_as_bone(folder: &Path, rig: &Path, source: &str, joined: usize) {
+    let bake = |engine: &str, root: &str| {
+        let words = format!("bake {} --demo --drive stepper {engine} --root {root} -o a.glb", rig.display());
+        let (code, _, err) = run(folder, &words);
+        assert_eq!(code, 0, "{err}");
+        (skins(&folder.join("a.glb")), err)
+    };
+    let (plain, _) = bake("", "root");
+    assert_eq!(bake("--engine three,bevy,unity", "root").0, plain);
+    assert_eq!(bake("--engine unreal", "in-place").0, plain);
+    for engine in ["unreal", "godot"] {
+        let (with, err) = bake(&format!("--engine {engine}"), "root");
+        assert_eq!(err.contains("joined it as a root bone"), joined > 0, "{source}: {err}");
+        let json = crate::export::json_of(&fs::read(folder.join("a.glb")).expect("there")).0;
+        let is_root =
+            |node: &serde_json::Value| node["name"].as_str().is_some_and(|name| name.eq_ignore_ascii_case("root"));
+        let root = json["nodes"].as_array().expect("nodes").iter().position(is_root).expect("a root");
+        for ((before, matrices), (after, more)) in plain.iter().zip(&with) {
+            assert!(after.starts_with(before), "joints keep their places");
+            assert!(after.contains(&(root as u64)), "{source} {engine}: the root is no joint");
+            assert_eq!(after.len(), before.len() + joined, "{source} {engine}");
+            assert_eq!(
+                more.map(|more| more - matrices.unwrap_or(0)),
+                matrices.map(|_| (after.len() - before.len()) as u64)
+            );
+        }
+        // The skin hangs as it did.
+        let mesh = |path: &Path| surefoot::rig::load(path).expect("loads").mesh;
+        for (before, after) in mesh(rig).iter().zip(&mesh(&folder.join("a.glb"))) {
+            let off = before.positions.iter().zip(&after.positions).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+            assert!(off < 1e-5 && before.positions.len() == after.positions.len(), "{source} {engine}: {off} m");
+        }
+        // For the Khronos validator.
+        let kept = crate::export::baked_path(&format!("root_bone_{engine}_{source}.glb"));
+        fs::copy(folder.join("a.glb"), &kept).expect("can be written");
+        fs::write(kept.with_extension("glb.source"), source).expect("can be written");
+    }
 }
 
 #[test]

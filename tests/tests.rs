@@ -68,6 +68,8 @@ mod stepper;
 mod synthetic;
 /// VRM animations: the specification, the same pose, read back.
 mod vrma;
+/// The same on characters, for three-vrm.
+mod vrma_play;
 /// The scenarios of walks.
 mod walk_grid;
 /// Walking: speeds, the paper's cases, pushes, turns, sizes.

@@ -1,6 +1,6 @@
 //! `surefoot bake`: a scenario onto a rig, and what came of it for the person and for programs.
 
-use super::args::{Assist, BakeArgs, Drive};
+use super::args::{Assist, BakeArgs, Drive, Root};
 use super::exit_code::{Exit, Failure};
 use super::parts;
 use super::writer::{self, Output};
@@ -76,7 +76,8 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         return Ok(Exit::Refused);
     }
 
-    let exported = parts::exported(&rig, &baked, &output, args.props)?;
+    let root_joint = args.root == Root::Root && engines.iter().any(|engine| engine.root_is_joint);
+    let exported = parts::exported(&rig, &baked, &output, (args.props, root_joint))?;
     for change in &exported.changes {
         warn(change.clone());
     }

@@ -3,7 +3,8 @@
 use super::args::{self, Assist, BakeArgs, Root};
 use super::exit_code::Failure;
 use crate::bake::{BakeError, BakeOptions, Baked, Drive, Helped, RootMotion};
-use crate::model::{Clip, ClipReport, Prop, Scenario};
+use crate::model::{Clip, ClipReport, Prop, Scenario, Target};
+use crate::rig::animate::RootCarrier;
 use crate::rig::mannequin::{BUILTIN, MannequinOptions, mannequin};
 use crate::rig::{Rig, RigError, clips};
 use crate::{bake, export, picture, rig};
@@ -86,8 +87,13 @@ pub fn is_vrma(output: &Path) -> bool {
     output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("vrma"))
 }
 
-/// Makes the files of a baked clip; `with_props`: the things beside the body too.
-pub fn exported(rig: &Rig, baked: &Baked, output: &Path, with_props: bool) -> Result<Exported, Failure> {
+/// Makes the files of a baked clip; `with_props`: the things beside the body too; `root_joint`: the root as a joint of the skins.
+pub fn exported(
+    rig: &Rig,
+    baked: &Baked,
+    output: &Path,
+    (with_props, root_joint): (bool, bool),
+) -> Result<Exported, Failure> {
     let failed = |error: export::ExportError| Failure::failed(error.to_string());
     if is_vrma(output) {
         let name = baked.clip.name.clone();
@@ -96,7 +102,12 @@ pub fn exported(rig: &Rig, baked: &Baked, output: &Path, with_props: bool) -> Re
         return Ok(Exported { file: made.bytes, events, name, changes: made.losses });
     }
     let clips = [(baked.clip.clone(), baked.report.clone())];
-    let file = export::glb_with_props(rig, &clips, if with_props { &baked.props } else { &[] }).map_err(failed)?;
+    let props = if with_props { &baked.props[..] } else { &[] };
+    let carrier = root_joint.then(|| match RootMotion::Root.carrier(rig) {
+        RootCarrier::Node(node) => Target::Node(node),
+        _ => Target::NewRoot,
+    });
+    let file = export::glb_with_root(rig, &clips, props, carrier).map_err(failed)?;
     let name = file.names.into_iter().next().unwrap_or_else(|| baked.clip.name.clone());
     let events = export::events_json([(name.as_str(), &baked.report)]).map_err(failed)?;
     Ok(Exported { file: file.bytes, events, name, changes: file.changes })

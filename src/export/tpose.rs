@@ -10,8 +10,10 @@ use crate::model::{Body, Role, Side};
 use crate::rig::Rig;
 use glam::{DQuat, DVec3};
 
-/// rad: a trunk that leans by less, or a leg that stands out by less, is standing.
-const ASKEW: f64 = 8.0 * std::f64::consts::PI / 180.0;
+/// rad: a trunk that leans by less is standing.
+const LEANS: f64 = 8.0 * std::f64::consts::PI / 180.0;
+/// rad: a leg that stands out by less is straight down by its own idea.
+const STANDS_OUT: f64 = 5.0 * std::f64::consts::PI / 180.0;
 /// rad: a knee that is bent by less is straight.
 const BENT: f64 = 15.0 * std::f64::consts::PI / 180.0;
 
@@ -81,7 +83,7 @@ impl Raised<'_> {
         };
         if let (Some(hips), Some(shoulders)) = (middle(LeftUpperLeg), middle(LeftUpperArm)) {
             let up = (shoulders - hips).normalize_or(DVec3::Y);
-            if up.angle_between(DVec3::Y) > ASKEW
+            if up.angle_between(DVec3::Y) > LEANS
                 && let Some(joint) = self.joint(Hips)
             {
                 self.carry(joint, shortest_arc(up, DVec3::Y));
@@ -154,7 +156,7 @@ impl Raised<'_> {
             if bent {
                 self.point(upper, lower, DVec3::NEG_Y);
                 self.point(lower, foot, DVec3::NEG_Y);
-            } else if whole.angle_between(DVec3::NEG_Y) > ASKEW {
+            } else if whole.angle_between(DVec3::NEG_Y) > STANDS_OUT {
                 self.carry(joint, shortest_arc(whole.normalize_or(DVec3::NEG_Y), DVec3::NEG_Y));
             }
         }

@@ -38,6 +38,8 @@ pub const REQUIRED: [Role; 15] = [
 const SAME_TURN: f64 = 2e-5;
 /// m: the same for the hips' way.
 const SAME_PLACE: f64 = 1e-5;
+/// Of the height: hips that are lower over a VRM's origin are not standing on it.
+const LOWEST_HIPS: f64 = 0.1;
 
 /// A VRM animation is done.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,7 +66,7 @@ pub fn vrma(rig: &Rig, clip: &Clip, report: &ClipReport) -> Result<ExportedVrma,
     let moved = Moved::read(rig, clip, &times)?;
     let still = t_pose(rig, &moved.rest);
     let bones = bones(rig, &moved, &still);
-    let to_file = file_offset(rig);
+    let to_file = file_offset(rig, &moved);
     let mut file = Bytes::default();
     let (mut channels, mut samplers) = (Vec::new(), Vec::new());
     let mut add = |node: usize, path: &str, kind: &str, keys: &[(f32, Vec<f32>)], file: &mut Bytes| {
@@ -182,11 +184,13 @@ impl Moved {
     }
 }
 
-/// From scenario space to the file's: a VRM keeps its own origin, any other rig gets the scenario's.
-fn file_offset(rig: &Rig) -> DVec3 {
+/// From scenario space to the file's: a VRM keeps its own origin, any other rig gets the scenario's; so does a VRM whose hips lie on
+/// its origin, since players scale the way by the hips' height.
+fn file_offset(rig: &Rig, moved: &Moved) -> DVec3 {
     let similarity = &rig.document_from_scenario;
     let own = similarity.rotation.inverse() * similarity.translation / similarity.scale;
-    if is_vrm(rig) && own.is_finite() { own } else { DVec3::ZERO }
+    let over = (moved.still + own).y > LOWEST_HIPS * rig.body.height;
+    if is_vrm(rig) && own.is_finite() && over { own } else { DVec3::ZERO }
 }
 
 /// The bones, parents first, at the T-pose.
@@ -226,7 +230,7 @@ fn bones(rig: &Rig, moved: &Moved, still: &[DQuat]) -> Vec<Bone> {
             places[joint] = places[parent] + still[parent] * (moved.rest[joint] - moved.rest[parent]);
         }
     }
-    let mut offset = file_offset(rig);
+    let mut offset = file_offset(rig, moved);
     if !is_vrm(rig) {
         let soles = body.feet.iter().map(|foot| places[foot.ankle].y - foot.ankle_height);
         offset.y -= soles.fold(f64::INFINITY, f64::min);

@@ -73,6 +73,7 @@ window.check = async (file, sidecar) => {
       if (came.length !== due.length * loops) problems.push(way + ': ' + came.length + ' events came, ' + due.length * loops + ' were due');
       for (const [type, foot, time] of due) {
         const found = came.filter((one) => one[0] === type && one[1] === foot && one[2] === time);
+        if (found.length !== loops) problems.push(way + ': ' + type + ' of ' + time + ' s came ' + found.length + ' times');
         found.forEach(([, , , at, step], loop) => {
           const late = at - loop * clip.duration - time;
           if (late < -1e-6 || late > step + 1e-6) problems.push(way + ': ' + type + ' of ' + time + ' s came ' + late + ' s after its time');

@@ -70,7 +70,9 @@ window.check = async (dump) => {
       const object = objects.get(node);
       if (!object) return { error: 'node ' + node + ' is not in the scene' };
       const off = object.getWorldPosition(new THREE.Vector3()).distanceTo(new THREE.Vector3(...place)) / dump.unit;
-      const angle = THREE.MathUtils.radToDeg(object.getWorldQuaternion(new THREE.Quaternion()).angleTo(new THREE.Quaternion(...turn)));
+      // Not angleTo: the cosine of so small an angle has no digits left.
+      const apart = object.getWorldQuaternion(new THREE.Quaternion()).normalize().invert().multiply(new THREE.Quaternion(...turn));
+      const angle = THREE.MathUtils.radToDeg(2 * Math.atan2(Math.hypot(apart.x, apart.y, apart.z), Math.abs(apart.w)));
       count += 1;
       if (!(off <= worst)) { worst = off; at = [sample.time, object.name]; }
       if (!(angle <= turned)) turned = angle;

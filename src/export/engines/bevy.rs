@@ -5,8 +5,8 @@
 //! ```ignore
 //! mod surefoot_bevy; // needs the crates bevy 0.19 (features bevy_gltf, gltf_animation) and serde_json
 //! app.add_plugins((DefaultPlugins, surefoot_bevy::SurefootPlugin)); // before any glTF is loaded
-//! // Of the entity that has the AnimationPlayer:
-//! commands.entity(player).observe(|event: On<SurefootEvent>| info!("{} {:?} at {}", event.name, event.foot, event.time));
+//! // The trigger's target is the entity with the AnimationPlayer:
+//! app.add_observer(|event: On<SurefootEvent>| info!("{} {:?} of {}", event.name, event.foot, event.trigger().target));
 //! ```
 //!
 //! The loader reads the report from the clip's extras; no other file is needed.

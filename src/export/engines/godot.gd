@@ -2,12 +2,14 @@
 #
 {{head}}
 #
-# Import dock of the .glb: set "Import Script" to this file and reimport. The .events.json must lie beside the .glb. Needs Godot 4.4 for
-# markers. Marker names are unique in a clip, so they are numbered: foot_down_{{left}}_1, foot_down_{{left}}_2, contact_flat_{{right}}_1.
+# Import dock of the .glb: set "Import Script" to this file and reimport. The .events.json must lie beside the .glb. Needs Godot 4.4
+# for markers. Marker names are unique in a clip, so they are numbered: foot_down_{{left}}_1, foot_down_{{left}}_2, contact_flat_{{right}}_1.
+# Root motion is set for a root that is called "root"; where a rig's own has another name, set AnimationPlayer.root_motion_track.
 @tool
 extends EditorScenePostImport
 
-## Name of a method of the scene's root, as in "surefoot_event": it is called as surefoot_event(name, foot) at each event. Empty: no calls.
+## Name of a method of the scene's root, as in "surefoot_event": called as surefoot_event(name, foot) at
+## each event. Empty: no calls.
 const METHOD := ""
 const FEET := {"left": "{{left}}", "right": "{{right}}"}
 

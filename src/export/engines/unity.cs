@@ -78,23 +78,35 @@ public static class SurefootEvents
     // 1 while any part of the foot is on the ground, 0 else, in steps.
     static AnimationCurve ContactCurve(JObject report, string foot, float length)
     {
-        var contacts = report["contacts"].Where(c => (string)c["foot"] == foot)
-            .Select(c => (start: (float)c["start"], end: (float)c["end"])).OrderBy(c => c.start).ToList();
         var keys = new List<Keyframe>();
-        void Step(float time, float value)
-        {
-            keys.RemoveAll(k => Mathf.Abs(k.time - time) < 1e-4f);
+        void Step(float time, float value) =>
             keys.Add(new Keyframe(time, value, float.PositiveInfinity, float.PositiveInfinity));
-        }
-        Step(0f, 0f);
-        foreach (var contact in contacts)
+        var end = -1f; // of the span so far; parts of a foot follow on one another
+        foreach (var contact in report["contacts"].Where(c => (string)c["foot"] == foot).OrderBy(c => (float)c["start"]))
         {
-            Step(contact.start, 1f);
-            if (contact.end < length - 1e-4f)
+            var start = (float)contact["start"];
+            if (start > end + 1e-3f)
             {
-                Step(contact.end, 0f);
+                if (end >= 0f)
+                {
+                    Step(end, 0f);
+                }
+                else if (start > 0f)
+                {
+                    Step(0f, 0f);
+                }
+                Step(start, 1f);
             }
+            end = Mathf.Max(end, (float)contact["end"]);
         }
-        return new AnimationCurve(keys.OrderBy(k => k.time).ToArray());
+        if (keys.Count == 0)
+        {
+            Step(0f, 0f);
+        }
+        else if (end < length - 1e-3f)
+        {
+            Step(end, 0f);
+        }
+        return new AnimationCurve(keys.ToArray());
     }
 }

@@ -38,17 +38,19 @@ def mark(sequence, report):
     library = unreal.AnimationLibrary
     length = sequence.get_play_length()
     if TRACK in [str(name) for name in library.get_animation_notify_track_names(sequence)]:
+        library.remove_animation_sync_markers_by_track(sequence, TRACK)
         library.remove_animation_notify_track(sequence, TRACK)
     library.add_animation_notify_track(sequence, TRACK)
     for event in report["events"]:
         time = min(event["time"], length)
         if event["name"] == "foot_down":
             library.add_animation_sync_marker(sequence, FEET[event["foot"]], time, TRACK)
-        notify = unreal.EditorAssetLibrary.load_blueprint_class(f"{NOTIFY_FOLDER}/AN_{event['name']}")
-        if notify is not None:
-            library.add_animation_notify_event(sequence, TRACK, time, notify)
+        notify = f"{NOTIFY_FOLDER}/AN_{event['name']}"
+        if unreal.EditorAssetLibrary.does_asset_exist(notify):
+            notify_class = unreal.EditorAssetLibrary.load_blueprint_class(notify)
+            library.add_animation_notify_event(sequence, TRACK, time, notify_class)
         elif event["name"] != "foot_down":
-            unreal.log(f"surefoot: no {NOTIFY_FOLDER}/AN_{event['name']}: no notify at {time:.3f} s")
+            unreal.log(f"surefoot: there is no {notify}: no notify at {time:.3f} s")
     for foot, name in FEET.items():
         curve = f"FootContact_{name}"
         times, values = steps(report["contacts"], foot, length)

@@ -76,6 +76,14 @@ fn main() -> ExitCode {
     let length = f64::from(app.world().resource::<Assets<bevy::animation::AnimationClip>>().get(&animation).expect("loaded").duration());
     assert!((length - duration).abs() < 1e-3, "the clip lasts {length} s in Bevy, {duration} s by its report");
 
+    app.add_observer(|event: On<SurefootEvent>, clock: Res<Clock>, players: Query<&AnimationPlayer>, mut arrived: ResMut<Arrived>| {
+        assert!(players.contains(event.trigger().target), "the target is the player's entity");
+        arrived.0.push((clock.0, f64::from(event.time), event.name.clone(), event.foot.clone()));
+    });
+    app.add_observer(|event: On<SurefootContact>, clock: Res<Clock>, mut arrived: ResMut<Arrived>| {
+        let name = format!("{} {}", event.part, if event.begins { "begins" } else { "ends" });
+        arrived.0.push((clock.0, f64::from(event.time), name, Some(event.foot.clone())));
+    });
     let mut bad = 0;
     for loops in [1, 2] {
         let (graph, index) = AnimationGraph::from_clip(animation.clone());
@@ -85,13 +93,6 @@ fn main() -> ExitCode {
         app.world_mut().resource_mut::<Arrived>().0.clear();
         app.world_mut().resource_mut::<Clock>().0 = 0.0;
         let entity = app.world_mut().spawn((player, AnimationGraphHandle(graph))).id();
-        app.world_mut().entity_mut(entity).observe(|event: On<SurefootEvent>, clock: Res<Clock>, mut arrived: ResMut<Arrived>| {
-            arrived.0.push((clock.0, f64::from(event.time), event.name.clone(), event.foot.clone()));
-        });
-        app.world_mut().entity_mut(entity).observe(|event: On<SurefootContact>, clock: Res<Clock>, mut arrived: ResMut<Arrived>| {
-            let name = format!("{} {}", event.part, if event.begins { "begins" } else { "ends" });
-            arrived.0.push((clock.0, f64::from(event.time), name, Some(event.foot.clone())));
-        });
         for _ in 0..(f64::from(loops) * duration / FRAME) as usize + 10 {
             app.world_mut().resource_mut::<Clock>().0 += FRAME;
             app.update();
