@@ -367,6 +367,7 @@ fn contacts_and_forces_are_told_in_the_files_own_space() {
         let made = vrma(&rig, &clip, &said).expect("can be written");
         let base = offset(&rig, &Played::read(&made.bytes), &clip);
         let told = &made.report;
+        assert_eq!(told.root_motion, "hips", "whichever node of the rig had it");
         assert!(DVec3::from(told.contacts[0].position).distance(foot + base) < 1e-6, "{name}");
         assert!(DVec3::from(told.contacts[0].normal).distance(DVec3::Y) < 1e-9, "{name}");
         assert!(DVec3::from(told.disturbances[0].force).distance(force) < 1e-6, "{name}");

@@ -264,11 +264,14 @@ fn nodes(bones: &[Bone]) -> Vec<Value> {
     nodes
 }
 
-/// The report's places and forces where this file has them.
+/// The report's places and forces where this file has them, and the way: in the hips, unless it was left out.
 fn in_file_space(rig: &Rig, report: &ClipReport, offset: DVec3) -> ClipReport {
     let similarity = &rig.document_from_scenario;
     let back = similarity.rotation.inverse();
     let mut report = report.clone();
+    if report.root_motion == "root" {
+        report.root_motion = "hips".into();
+    }
     for contact in &mut report.contacts {
         contact.position = (similarity.inverse_point(contact.position.into()) + offset).to_array();
         contact.normal = (back * DVec3::from(contact.normal)).to_array();
