@@ -28,6 +28,8 @@ mod common;
 mod correct;
 /// What a corrected clip that was baked here tells of itself.
 mod correct_told;
+/// What stands beside a clip for an engine: written whole, run where it can be.
+mod engines;
 /// Baked files: the source kept whole, read again, by the Khronos validator, three.js.
 mod export;
 /// The same for rigs that nobody here made: slip, keys, the Khronos validator.
@@ -74,6 +76,10 @@ mod stances;
 mod stepper;
 /// Rigs and motions made by hand for the modules above.
 mod synthetic;
+/// VRM animations: the specification, the same pose, read back.
+mod vrma;
+/// The same on characters, for three-vrm.
+mod vrma_play;
 /// The scenarios of walks.
 mod walk_grid;
 /// Walking: speeds, the paper's cases, pushes, turns, sizes.

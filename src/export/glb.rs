@@ -7,7 +7,7 @@
 
 use super::buffers::Joined;
 use super::props::{self, PropChannel};
-use super::{ExportError, events::report_json};
+use super::{ExportError, events::report_json, root_joint};
 use crate::model::{Channel, Clip, ClipReport, Interpolation, KeyValues, Prop, Target};
 use crate::rig::Rig;
 use serde_json::{Map, Value, json};
@@ -31,6 +31,16 @@ pub fn glb(rig: &Rig, clips: &[(Clip, ClipReport)]) -> Result<ExportedGlb, Expor
 
 /// The same with things beside the body, which move as they say in every clip.
 pub fn glb_with_props(rig: &Rig, clips: &[(Clip, ClipReport)], props: &[Prop]) -> Result<ExportedGlb, ExportError> {
+    glb_with_root(rig, clips, props, None)
+}
+
+/// The same with the node that carries root motion as a joint of the skins: see [`super::root_joint`].
+pub fn glb_with_root(
+    rig: &Rig,
+    clips: &[(Clip, ClipReport)],
+    props: &[Prop],
+    carrier: Option<Target>,
+) -> Result<ExportedGlb, ExportError> {
     for (clip, _) in clips {
         check(rig, clip)?;
     }
@@ -43,10 +53,17 @@ pub fn glb_with_props(rig: &Rig, clips: &[(Clip, ClipReport)], props: &[Prop]) -
         .ok_or_else(|| ExportError::Document { reason: "it is no JSON object".into() })?;
     let mut buffer = Joined::new(&rig.document, &mut root)?;
     buffer.embed_images(&rig.document, &mut root);
-    let changes = matrices_to_trs(rig, clips, &mut root);
+    let mut changes = matrices_to_trs(rig, clips, &mut root);
     let targets: BTreeSet<Target> =
         clips.iter().flat_map(|(clip, _)| &clip.channels).map(|channel| channel.target).collect();
     let helpers = add_nodes(rig, &targets, &mut root);
+    let joint = carrier.and_then(|carrier| match carrier {
+        Target::Node(node) => Some((carrier, node)),
+        new => helpers.get(&new).map(|node| (new, *node)),
+    });
+    if let Some((carrier, node)) = joint {
+        changes.extend(root_joint::add(rig, carrier, node, &mut root, &mut buffer)?);
+    }
     let props: Vec<(usize, Vec<PropChannel>)> = props::add(rig, props, &mut root, &mut buffer)
         .into_iter()
         .zip(props)
