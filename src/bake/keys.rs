@@ -1,17 +1,19 @@
 //! Poses to keys: the grid, the contact edges, bisection where a planted foot would slip, reduction everywhere else.
 //!
-//! What is checked is what a glTF reader gets: f32 keys, linear or spherical interpolation, in the local spaces of the rig's
-//! nodes. A *frame* is a time at which every channel has a value; reduction then leaves out keys channel by channel, and the
-//! planted feet are measured again on what is left. Lengths in m, angles in rad. Writes scale only where the scenario scales the legs.
+//! What is checked is what a glTF reader gets: f32 keys joined by Hermite splines (CUBICSPLINE), in the local spaces of the rig's
+//! nodes. A *frame* is a time at which every channel has a value and slopes; reduction then leaves out keys channel by channel,
+//! and the planted feet are measured again on what is left. Lengths in m, angles in rad. Writes scale only where the scenario
+//! scales the legs.
 
 use super::contacts::FootContact;
 use super::leg_chain::LegChain;
 use super::root_motion::{RootCurve, RootMotion};
-use super::track::{Track, UPPER_TOLERANCE, stored_rotation, stored_translation};
+use super::leverage::Leverage;
+use super::track::{Frame, Track, UPPER_TOLERANCE, stored_rotation, stored_translation};
 use crate::model::{BodyPose, Channel, Clip, Interpolation, KeyValues, Side, Target};
 use crate::rig::animate::{Poser, RootCarrier, RootMove};
 use crate::rig::{Rig, Trs};
-use glam::DQuat;
+use glam::{DQuat, DVec4};
 use std::collections::BTreeMap;
 
 /// m: a frame is put in where a planted foot is off by more between frames.
@@ -26,6 +28,10 @@ const PLACE_TOLERANCE: f64 = 0.2e-3;
 const SHORTEST: f64 = 1.0e-3;
 /// s: contact edges nearer to each other than this are one.
 const SAME_EDGE: f64 = 5.0e-5;
+/// s: slopes are taken over twice this, to either side.
+const SLOPE: f64 = 1.0e-3;
+/// A second: slopes before and after a frame that differ by more are a corner, in rad or m.
+const CORNER: f64 = 0.03;
 
 /// What keys are made from.
 #[derive(Clone, Copy)]
@@ -85,7 +91,7 @@ pub fn keyed_clip_on(input: &KeyInput, turn: &dyn Fn(f64) -> DQuat, height: &dyn
     }
     let edges = edges(input.contacts, duration);
     let grid = grid(input.fps, duration, &edges);
-    frames.curve.straighten(&grid.iter().map(|time| f64::from(*time)).collect::<Vec<f64>>());
+    frames.curve.key(&grid.iter().map(|time| f64::from(*time)).collect::<Vec<f64>>());
     for (at, time) in grid.into_iter().enumerate() {
         frames.insert(at, time);
     }
@@ -159,6 +165,7 @@ impl<'a> Frames<'a> {
         };
         let mut frames =
             Frames { input, carrier, curve, times: Vec::new(), tracks: Vec::new(), locals: Vec::new(), poser };
+        let leverage = Leverage::new(&input.rig.body);
         match carrier {
             RootCarrier::New => frames.add_tracks(Target::NewRoot, input.rig.document_from_scenario.scale.recip()),
             RootCarrier::Node(node) => frames.add_tracks(Target::Node(node), frames.metres(node)),
@@ -169,22 +176,20 @@ impl<'a> Frames<'a> {
                 continue;
             }
             if let Some(drive) = frames.poser.drives()[node] {
+                let target = Target::Node(node);
                 if drive.translate {
-                    frames.add_track(Target::Node(node), false, PLACE_TOLERANCE / frames.metres(node));
+                    let bend = if drive.joint == 0 { leverage.place() } else { f64::INFINITY };
+                    frames.tracks.push(Track::moving(target, frames.metres(node), PLACE_TOLERANCE, bend));
                 }
-                frames.add_track(Target::Node(node), true, UPPER_TOLERANCE / 2.0);
+                frames.tracks.push(Track::turning(target, UPPER_TOLERANCE, leverage.turn(drive.joint)));
             }
         }
         frames
     }
 
     fn add_tracks(&mut self, target: Target, metres: f64) {
-        self.add_track(target, false, PLACE_TOLERANCE / metres.abs().max(1e-12));
-        self.add_track(target, true, LEG_TOLERANCE / 2.0);
-    }
-
-    fn add_track(&mut self, target: Target, rotates: bool, tolerance: f64) {
-        self.tracks.push(Track::new(target, rotates, tolerance));
+        self.tracks.push(Track::moving(target, metres, PLACE_TOLERANCE, f64::INFINITY));
+        self.tracks.push(Track::turning(target, LEG_TOLERANCE, f64::INFINITY));
     }
 
     fn track_of(&self, target: Target, rotates: bool) -> Option<usize> {
@@ -202,20 +207,46 @@ impl<'a> Frames<'a> {
         // A file's 32 bits may put the edge of a contact into the air.
         let edges = self.input.contacts.iter().flat_map(|contact| [contact.start, contact.end]);
         let exact = edges.into_iter().find(|edge| *edge as f32 == time).unwrap_or(f64::from(time));
-        let pose = (self.input.pose)(exact);
-        let motion =
-            if self.carrier == RootCarrier::None { RootMove::IDENTITY } else { self.curve.at(f64::from(time)) };
-        self.poser.locals(&pose, self.carrier, &motion, &mut self.locals);
+        let now = self.values_at(exact);
+        // Two samples to each side that there is: what is straight or bends evenly is met.
+        let steps = [-2.0, -1.0, 1.0, 2.0].map(|step| exact + step * SLOPE);
+        let [before, after] = [[steps[1], steps[0]], [steps[2], steps[3]]].map(|[near, far]| {
+            let inside = (0.0..=self.input.duration).contains(&far);
+            inside.then(|| [self.values_at(near), self.values_at(far)])
+        });
         self.times.insert(at, time);
-        for track in &mut self.tracks {
+        for index in 0..self.tracks.len() {
+            let here = now[index];
+            let slope = |samples: &Option<[Vec<DVec4>; 2]>, way: f64| {
+                let [near, far] = samples.as_ref().map(|[near, far]| [near[index], far[index]])?;
+                let rotates = self.tracks[index].rotates;
+                let [near, far] = [near, far].map(|there| if rotates && there.dot(here) < 0.0 { -there } else { there });
+                Some((near * 4.0 - far - here * 3.0) * (way / (2.0 * SLOPE)))
+            };
+            let (before, after) = (slope(&before, -1.0), slope(&after, 1.0));
+            let (before, after) = (before.or(after).unwrap_or_default(), after.or(before).unwrap_or_default());
+            let unit = self.tracks[index].unit;
+            let corner = before.distance(after) * unit > CORNER;
+            let slopes = if corner { [before, after] } else { [(before + after) * 0.5; 2] };
+            let stored = |four: DVec4| four.to_array().map(|part| part as f32 + 0.0);
+            let value = if self.tracks[index].rotates { stored(here.normalize()) } else { stored(here) };
+            self.tracks[index].frames.insert(at, Frame { value, slopes: slopes.map(stored) });
+        }
+    }
+
+    /// What every track has at a time.
+    fn values_at(&mut self, time: f64) -> Vec<DVec4> {
+        let pose = (self.input.pose)(time);
+        let motion = if self.carrier == RootCarrier::None { RootMove::IDENTITY } else { self.curve.at(time) };
+        self.poser.locals(&pose, self.carrier, &motion, &mut self.locals);
+        let value = |track: &Track| {
             let (translation, rotation) = match track.target {
                 Target::Node(node) => (self.locals[node].translation, self.locals[node].rotation),
                 _ => self.poser.new_root(&motion),
             };
-            track
-                .values
-                .insert(at, if track.rotates { stored_rotation(rotation) } else { stored_translation(translation) });
-        }
+            if track.rotates { DVec4::from(rotation) } else { translation.extend(0.0) }
+        };
+        self.tracks.iter().map(value).collect()
     }
 
     fn frame_at(&self, time: f32) -> usize {
@@ -227,12 +258,12 @@ impl<'a> Frames<'a> {
         for (contact, start, end) in contacts {
             let leg = &legs[contact.side as usize];
             let mut from = self.frame_at(*start);
-            let held = leg.held(contact.part, &|track| self.tracks[track].values[from]);
+            let held = leg.held(contact.part, &|track| self.tracks[track].frames[from].value);
             let held = held.seen_from(turn(f64::from(self.times[from])));
             while from + 1 < self.times.len() && self.times[from] < *end {
                 let (earlier, later) = (f64::from(self.times[from]), f64::from(self.times[from + 1]));
                 let off = [0.25, 0.5, 0.75].map(|share| {
-                    let now = leg.held(contact.part, &|track| self.tracks[track].between(from, from + 1, share));
+                    let now = leg.held(contact.part, &|track| self.tracks[track].between(from, from + 1, later - earlier, share));
                     held.distance(&now.seen_from(turn(earlier + (later - earlier) * share)))
                 });
                 if off.iter().all(|off| *off <= BISECT) || later - earlier < 2.0 * SHORTEST {
@@ -241,7 +272,7 @@ impl<'a> Frames<'a> {
                 }
                 let middle = ((earlier + later) / 2.0) as f32;
                 self.insert(from + 1, middle);
-                let exact = leg.held(contact.part, &|track| self.tracks[track].values[from + 1]);
+                let exact = leg.held(contact.part, &|track| self.tracks[track].frames[from + 1].value);
                 let exact = held.distance(&exact.seen_from(turn(f64::from(middle))));
                 if exact > 0.8 * off[1].max(BISECT) {
                     self.remove(from + 1); // the pose itself is off: a key would not mend it
@@ -254,7 +285,7 @@ impl<'a> Frames<'a> {
     fn remove(&mut self, at: usize) {
         self.times.remove(at);
         for track in &mut self.tracks {
-            track.values.remove(at);
+            track.frames.remove(at);
         }
     }
 
@@ -268,13 +299,26 @@ impl<'a> Frames<'a> {
             self.times.iter().map(holds).collect::<Vec<bool>>()
         });
         let times: Vec<f64> = self.times.iter().map(|time| f64::from(*time)).collect();
+        let root = match self.carrier {
+            RootCarrier::New => Some(Target::NewRoot),
+            RootCarrier::Node(node) => Some(Target::Node(node)),
+            RootCarrier::None => None,
+        };
         for track in &mut self.tracks {
             let last = times.len() - 1;
             track.keep = vec![false; times.len()];
             track.keep[0] = true;
-            let first = track.values[0];
-            if track.values.iter().any(|value| track.difference(&first, value) > 0.25 * track.tolerance) {
+            let first = track.frames[0].value;
+            let moves = |frame: &Frame| track.difference(&first, &frame.value) > 0.25 * track.tolerance;
+            if track.frames.iter().any(moves) {
                 track.keep[last] = true;
+                if root == Some(track.target) {
+                    // The hips make up for what it does between its knots.
+                    let knot = |time: &f64| self.curve.has_knot(*time);
+                    track.keep.iter_mut().zip(&times).for_each(|(keep, time)| *keep |= knot(time));
+                    track.look_around();
+                    continue;
+                }
                 let feet = track.moves != [false; 2];
                 let mut from = 0;
                 for (frame, edge) in forced.iter().enumerate().skip(1) {
@@ -296,7 +340,7 @@ impl<'a> Frames<'a> {
             for (contact, start, end) in contacts {
                 let leg = &legs[contact.side as usize];
                 let first = self.frame_at(*start);
-                let held = leg.held(contact.part, &|track| self.tracks[track].values[first]);
+                let held = leg.held(contact.part, &|track| self.tracks[track].frames[first].value);
                 let held = held.seen_from(turn(f64::from(self.times[first])));
                 let mut worst = (SLIP, None); // of a run of intervals that slip
                 for frame in first..self.frame_at(*end) {

@@ -15,6 +15,7 @@ pub mod footing;
 pub mod keys;
 mod knees;
 mod leg_chain;
+mod leverage;
 pub mod perform;
 pub mod props;
 pub mod ragdoll;
