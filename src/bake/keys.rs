@@ -9,7 +9,7 @@ use super::contacts::FootContact;
 use super::leg_chain::LegChain;
 use super::root_motion::{RootCurve, RootMotion};
 use super::leverage::Leverage;
-use super::track::{Frame, Track, UPPER_TOLERANCE, stored_rotation, stored_translation};
+use super::track::{Frame, Track, UPPER_TOLERANCE, stored, stored_rotation, stored_translation};
 use crate::model::{BodyPose, Channel, Clip, Interpolation, KeyValues, Side, Target};
 use crate::rig::animate::{Poser, RootCarrier, RootMove};
 use crate::rig::{Rig, Trs};
@@ -28,7 +28,7 @@ const PLACE_TOLERANCE: f64 = 0.2e-3;
 const SHORTEST: f64 = 1.0e-3;
 /// s: contact edges nearer to each other than this are one.
 const SAME_EDGE: f64 = 5.0e-5;
-/// s: slopes are taken over twice this, to either side.
+/// s: slopes are taken over three times this, to either side.
 const SLOPE: f64 = 1.0e-3;
 /// A second: slopes before and after a frame that differ by more are a corner, in rad or m.
 const CORNER: f64 = 0.03;
@@ -208,27 +208,25 @@ impl<'a> Frames<'a> {
         let edges = self.input.contacts.iter().flat_map(|contact| [contact.start, contact.end]);
         let exact = edges.into_iter().find(|edge| *edge as f32 == time).unwrap_or(f64::from(time));
         let now = self.values_at(exact);
-        // Two samples to each side that there is: what is straight or bends evenly is met.
-        let steps = [-2.0, -1.0, 1.0, 2.0].map(|step| exact + step * SLOPE);
-        let [before, after] = [[steps[1], steps[0]], [steps[2], steps[3]]].map(|[near, far]| {
-            let inside = (0.0..=self.input.duration).contains(&far);
-            inside.then(|| [self.values_at(near), self.values_at(far)])
+        // Three samples to each side that there is, and not the frame's own: where a foot touches down the pose may jump a little.
+        let [before, after] = [-SLOPE, SLOPE].map(|step| {
+            let inside = (0.0..=self.input.duration).contains(&(exact + 3.0 * step));
+            inside.then(|| [1.0, 2.0, 3.0].map(|steps| self.values_at(exact + steps * step)))
         });
         self.times.insert(at, time);
         for index in 0..self.tracks.len() {
             let here = now[index];
-            let slope = |samples: &Option<[Vec<DVec4>; 2]>, way: f64| {
-                let [near, far] = samples.as_ref().map(|[near, far]| [near[index], far[index]])?;
+            let slope = |samples: &Option<[Vec<DVec4>; 3]>, way: f64| {
                 let rotates = self.tracks[index].rotates;
-                let [near, far] = [near, far].map(|there| if rotates && there.dot(here) < 0.0 { -there } else { there });
-                Some((near * 4.0 - far - here * 3.0) * (way / (2.0 * SLOPE)))
+                let near = |there: DVec4| if rotates && there.dot(here) < 0.0 { -there } else { there };
+                let [a, b, c] = samples.as_ref()?.each_ref().map(|sample| near(sample[index]));
+                Some((b * 8.0 - a * 5.0 - c * 3.0) * (way / (2.0 * SLOPE)))
             };
             let (before, after) = (slope(&before, -1.0), slope(&after, 1.0));
             let (before, after) = (before.or(after).unwrap_or_default(), after.or(before).unwrap_or_default());
             let unit = self.tracks[index].unit;
             let corner = before.distance(after) * unit > CORNER;
             let slopes = if corner { [before, after] } else { [(before + after) * 0.5; 2] };
-            let stored = |four: DVec4| four.to_array().map(|part| part as f32 + 0.0);
             let value = if self.tracks[index].rotates { stored(here.normalize()) } else { stored(here) };
             self.tracks[index].frames.insert(at, Frame { value, slopes: slopes.map(stored) });
         }
@@ -316,25 +314,20 @@ impl<'a> Frames<'a> {
                     // The hips make up for what it does between its knots.
                     let knot = |time: &f64| self.curve.has_knot(*time);
                     track.keep.iter_mut().zip(&times).for_each(|(keep, time)| *keep |= knot(time));
-                    track.look_around();
+                    track.settle(&times);
                     continue;
                 }
                 let feet = track.moves != [false; 2];
-                let mut from = 0;
-                for (frame, edge) in forced.iter().enumerate().skip(1) {
-                    if frame == last || (feet && *edge) {
-                        track.keep[frame] = true;
-                        track.thin(&times, &planted, from, frame);
-                        from = frame;
-                    }
-                }
+                track.keep.iter_mut().zip(&forced).for_each(|(keep, edge)| *keep |= feet && *edge);
+                track.choose(&times, &planted);
             }
-            track.look_around();
+            track.settle(&times);
         }
     }
 
     /// Puts keys back until the planted feet are still.
     fn put_back(&mut self, contacts: &[(&FootContact, f32, f32)], legs: &[LegChain; 2], turn: &dyn Fn(f64) -> DQuat) {
+        let times: Vec<f64> = self.times.iter().map(|time| f64::from(*time)).collect();
         for _ in 0..32 {
             let mut missing: Vec<(usize, usize)> = Vec::new(); // frame, side
             for (contact, start, end) in contacts {
@@ -347,7 +340,7 @@ impl<'a> Frames<'a> {
                     let [from, to] = [frame, frame + 1].map(|frame| f64::from(self.times[frame]));
                     let off = [0.0, 0.25, 0.5, 0.75, 1.0].into_iter().map(|share| {
                         let now =
-                            leg.held(contact.part, &|track| self.tracks[track].reduced(&self.times, frame, share));
+                            leg.held(contact.part, &|track| self.tracks[track].reduced(&times, frame, share));
                         held.distance(&now.seen_from(turn(from + (to - from) * share)))
                     });
                     let off = off.fold(0.0, f64::max);
@@ -368,7 +361,7 @@ impl<'a> Frames<'a> {
                     track.keep[*frame + 1] |= track.moves[*side];
                 }
                 if track.keep != before {
-                    track.look_around();
+                    track.settle(&times);
                     changed = true;
                 }
             }

@@ -22,6 +22,7 @@ pub mod ragdoll;
 mod reach;
 mod report;
 pub mod root_motion;
+mod spline;
 mod swing;
 pub mod throws;
 pub mod timeline;

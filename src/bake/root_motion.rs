@@ -5,6 +5,7 @@
 //! character, where the next clip goes on. It rises and falls with the ground that carries the body, on stairs as on a
 //! ramp; what the body does over that stays with the hips. In place only the horizontal travel is left out.
 
+use super::spline;
 use crate::model::BodyPose;
 use crate::rig::Rig;
 use crate::rig::animate::{RootCarrier, RootMove, hermite};
@@ -156,6 +157,16 @@ impl RootCurve {
             }
             kept.push(knots[to]);
             from = to;
+        }
+        let clock: Vec<f64> = kept.iter().map(|knot| knot.time).collect();
+        let evened = |part: fn(&Knot) -> [DVec4; 2]| {
+            let values: Vec<DVec4> = kept.iter().map(|knot| part(knot)[0]).collect();
+            let ends = [kept.first(), kept.last()].map(|knot| knot.map_or(DVec4::ZERO, |knot| part(knot)[1]));
+            spline::slopes(&clock, &values, ends)
+        };
+        let (places, turns) = (evened(|knot| knot.place), evened(|knot| knot.turn));
+        for ((knot, place), turn) in kept.iter_mut().zip(places).zip(turns) {
+            (knot.place[1], knot.turn[1]) = (place, turn);
         }
         self.knots = kept;
     }

@@ -3,6 +3,7 @@
 //! Values are f32 as stored; differences are of what a reader interpolates: a Hermite spline, of a rotation part by part and
 //! made a unit again. Angles in rad, lengths in the node's own units.
 
+use super::spline;
 use crate::model::{Channel, Interpolation, KeyValues, Target};
 use crate::rig::animate::{chord, hermite};
 use glam::{DQuat, DVec3, DVec4};
@@ -25,12 +26,20 @@ pub(super) struct Track {
     pub(super) frames: Vec<Frame>, // (frames)
     pub(super) keep: Vec<bool>,    // (frames)
     around: Vec<(usize, usize)>,   // (frames) last kept at or before, first kept at or after
+    fits: Vec<Fit>,                // (frames) of the kept ones
+}
+
+/// A key as written: value, slopes before and after.
+#[derive(Clone, Copy, Debug, Default)]
+struct Fit {
+    value: DVec4,
+    slopes: [DVec4; 2],
 }
 
 /// A key's value as stored: three of a translation, or a unit quaternion.
 pub(super) type Value = [f32; 4];
 
-/// A value and how fast it changes before and after, a second.
+/// A value and how fast it changes before and after, a second: the same but at a corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Frame {
     pub(super) value: Value,
@@ -50,76 +59,103 @@ impl Track {
     }
 
     fn new(target: Target, rotates: bool, tolerance: f64, bend: f64) -> Track {
-        let (frames, keep, around) = (Vec::new(), Vec::new(), Vec::new());
-        Track { target, rotates, unit: 1.0, tolerance, bend, moves: [false; 2], frames, keep, around }
+        let (frames, keep, around, fits) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Track { target, rotates, unit: 1.0, tolerance, bend, moves: [false; 2], frames, keep, around, fits }
     }
 
     pub(super) fn difference(&self, a: &Value, b: &Value) -> f64 {
         if self.rotates { chord(quaternion(a), quaternion(b)) } else { vector(a).distance(vector(b)) }
     }
 
-    /// As a reader interpolates between two frames that are so many seconds apart.
+    /// As a reader interpolates between two frames that are so many seconds apart, were they keys with their own slopes.
     pub(super) fn between(&self, from: usize, to: usize, seconds: f64, share: f64) -> Value {
-        let four = |value: &Value| DVec4::from_array(value.map(f64::from));
         let (a, b) = (&self.frames[from], &self.frames[to]);
         // A turn and its opposite are one: the neighbour's is the nearer.
         let sign = if self.rotates && four(&a.value).dot(four(&b.value)) < 0.0 { -1.0 } else { 1.0 };
         let ends = [four(&a.value), four(&a.slopes[1]), four(&b.slopes[0]) * sign, four(&b.value) * sign];
+        self.joined(ends, seconds, share)
+    }
+
+    fn joined(&self, ends: [DVec4; 4], seconds: f64, share: f64) -> Value {
         let at = hermite(ends, seconds, share);
         let at = if self.rotates { at.try_normalize().unwrap_or(DVec4::W) } else { at };
-        at.to_array().map(|part| part as f32)
+        stored(at)
     }
 
     /// Between `frame` and the next, from the keys that are left.
-    pub(super) fn reduced(&self, times: &[f32], frame: usize, share: f64) -> Value {
-        let time = |frame: usize| f64::from(times[frame]);
+    pub(super) fn reduced(&self, times: &[f64], frame: usize, share: f64) -> Value {
         let next = (frame + 1).min(times.len() - 1);
         let (from, to) = (self.around[frame].0, self.around[next].1);
         if from == to || times[from] >= times[to] {
             return self.frames[from].value;
         }
-        let seconds = time(to) - time(from);
-        let now = time(frame) + share * (time(next) - time(frame));
-        self.between(from, to, seconds, (now - time(from)) / seconds)
+        let seconds = times[to] - times[from];
+        let now = times[frame] + share * (times[next] - times[frame]);
+        let (a, b) = (&self.fits[from], &self.fits[to]);
+        self.joined([a.value, a.slopes[1], b.slopes[0], b.value], seconds, (now - times[from]) / seconds)
     }
 
-    /// Keeps as few frames between two kept ones as leave the others within tolerance: each time the farthest that can
-    /// be reached, found by doubling and halving.
-    pub(super) fn thin(&mut self, times: &[f64], planted: &[Vec<bool>; 2], from: usize, to: usize) {
-        let mut at = from;
-        while at < to {
-            let (mut good, mut stride) = (at + 1, 2);
-            while at + stride <= to && self.spans(times, planted, at, at + stride) {
-                good = at + stride;
-                stride *= 2;
-            }
-            let mut bad = (at + stride).min(to + 1);
-            while good + 1 < bad {
-                let middle = good.midpoint(bad);
-                if self.spans(times, planted, at, middle) {
-                    good = middle;
-                } else {
-                    bad = middle;
+    /// Chooses as few frames beside those that are kept as leave the others within tolerance: first each time the worst
+    /// between two keys, then without each that the rest can spare.
+    pub(super) fn choose(&mut self, times: &[f64], planted: &[Vec<bool>; 2]) {
+        let forced = self.keep.clone();
+        self.settle(times);
+        loop {
+            let mut worst: Vec<(f64, usize)> = Vec::new(); // of the intervals between keys, in order
+            let mut from = usize::MAX;
+            for frame in (0..times.len()).filter(|frame| !self.keep[*frame]) {
+                let off = self.off(times, planted, frame);
+                if self.around[frame].0 != from {
+                    from = self.around[frame].0;
+                    worst.push((1.0, frame));
+                }
+                if let Some(worst) = worst.last_mut().filter(|worst| off > worst.0) {
+                    *worst = (off, frame);
                 }
             }
-            self.keep[good] = true;
-            at = good;
+            worst.retain(|worst| worst.0 > 1.0);
+            if worst.is_empty() {
+                break;
+            }
+            worst.iter().for_each(|(_, frame)| self.keep[*frame] = true);
+            self.settle(times);
+        }
+        for frame in (0..times.len()).filter(|frame| !forced[*frame]) {
+            if !self.keep[frame] {
+                continue;
+            }
+            self.keep[frame] = false;
+            self.settle(times);
+            // What a key does is gone some keys away.
+            let near = self.neighbours(frame, 5);
+            if near.into_iter().any(|frame| !self.keep[frame] && self.off(times, planted, frame) > 1.0) {
+                self.keep[frame] = true;
+                self.settle(times);
+            }
         }
     }
 
-    /// Whether interpolation between two frames restores all between them.
-    fn spans(&self, times: &[f64], planted: &[Vec<bool>; 2], from: usize, to: usize) -> bool {
-        let seconds = times[to] - times[from];
-        let bend = (self.bend * seconds * seconds / BEND).max(ROUNDING);
-        (from + 1..to).all(|frame| {
-            let share = (times[frame] - times[from]) / seconds;
-            let holds = !self.rotates || (0..2).any(|side| self.moves[side] && planted[side][frame]);
-            let tolerance = if holds { self.tolerance } else { UPPER_TOLERANCE / 2.0 };
-            self.difference(&self.between(from, to, seconds, share), &self.frames[frame].value) <= tolerance.min(bend)
-        })
+    /// The frames up to so many keys away.
+    fn neighbours(&self, frame: usize, keys: usize) -> std::ops::Range<usize> {
+        let kept = |frame: &usize| self.keep[*frame];
+        let first = (0..frame).rev().filter(kept).nth(keys - 1).unwrap_or(0);
+        let last = (frame + 1..self.keep.len()).filter(kept).nth(keys - 1).unwrap_or(self.keep.len() - 1);
+        first..last + 1
     }
 
-    pub(super) fn look_around(&mut self) {
+    /// How far what the keys show at a frame is from it, over what it may be.
+    fn off(&self, times: &[f64], planted: &[Vec<bool>; 2], frame: usize) -> f64 {
+        let (from, to) = self.around[frame];
+        let seconds = times[to] - times[from];
+        let bend = (self.bend * seconds * seconds / BEND).max(ROUNDING);
+        let holds = !self.rotates || (0..2).any(|side| self.moves[side] && planted[side][frame]);
+        let tolerance = if holds { self.tolerance } else { UPPER_TOLERANCE / 2.0 };
+        self.difference(&self.reduced(times, frame, 0.0), &self.frames[frame].value) / tolerance.min(bend)
+    }
+
+    /// After a change of what is kept: the keys around each frame, and the slopes of the smooth curve through them. At a corner
+    /// it has the corner's own.
+    pub(super) fn settle(&mut self, times: &[f64]) {
         let count = self.keep.len();
         self.around = vec![(0, 0); count];
         let mut at = 0;
@@ -136,6 +172,32 @@ impl Track {
             }
             self.around[frame].1 = at;
         }
+        self.fits.resize(count, Fit::default());
+        let kept: Vec<usize> = (0..count).filter(|frame| self.keep[*frame]).collect();
+        let mut before: Option<DVec4> = None;
+        for frame in &kept {
+            let Frame { value, slopes } = self.frames[*frame];
+            let opposite = self.rotates && before.is_some_and(|before| before.dot(four(&value)) < 0.0);
+            let turned = |value: &Value| if opposite { -four(value) } else { four(value) };
+            before = Some(turned(&value));
+            self.fits[*frame] = Fit { value: turned(&value), slopes: slopes.each_ref().map(turned) };
+        }
+        let mut first = 0;
+        for last in 1..kept.len() {
+            let Frame { slopes, .. } = self.frames[kept[last]];
+            if slopes[0] == slopes[1] && last + 1 < kept.len() {
+                continue;
+            }
+            let piece = &kept[first..=last];
+            let clock: Vec<f64> = piece.iter().map(|frame| times[*frame]).collect();
+            let values: Vec<DVec4> = piece.iter().map(|frame| self.fits[*frame].value).collect();
+            let ends = [self.fits[kept[first]].slopes[1], self.fits[kept[last]].slopes[0]];
+            let slopes = spline::slopes(&clock, &values, ends);
+            for (frame, slope) in piece.iter().zip(&slopes).take(last - first).skip(1) {
+                self.fits[*frame].slopes = [four(&stored(*slope)); 2];
+            }
+            first = last;
+        }
     }
 
     /// What of it is written: one value where nothing moves, else a spline through the keys.
@@ -143,19 +205,14 @@ impl Track {
         let kept: Vec<usize> = (0..times.len()).filter(|frame| self.keep[*frame]).collect();
         let spline = kept.len() > 1;
         let mut numbers: Vec<Value> = Vec::with_capacity(3 * kept.len());
-        let mut before: Option<Value> = None;
         for (index, frame) in kept.iter().enumerate() {
-            let Frame { value, slopes } = self.frames[*frame];
-            let opposite = self.rotates
-                && before.is_some_and(|before| before.iter().zip(&value).map(|(a, b)| a * b).sum::<f32>() < 0.0);
-            let turned = |value: Value| if opposite { value.map(|part| 0.0 - part) } else { value };
-            before = Some(turned(value));
+            let Fit { value, slopes } = self.fits[*frame];
             // The outermost tangents lead nowhere.
-            let lead = |end: bool, slope: Value| if end { [0.0; 4] } else { turned(slope) };
+            let lead = |end: bool, slope: DVec4| if end { [0.0; 4] } else { stored(slope) };
             if spline {
                 numbers.push(lead(index == 0, slopes[0]));
             }
-            numbers.push(turned(value));
+            numbers.push(stored(value));
             if spline {
                 numbers.push(lead(index + 1 == kept.len(), slopes[1]));
             }
@@ -168,6 +225,15 @@ impl Track {
         let interpolation = if spline { Interpolation::Cubic } else { Interpolation::Linear };
         Channel { target: self.target, times, values, interpolation }
     }
+}
+
+fn four(value: &Value) -> DVec4 {
+    DVec4::from_array(value.map(f64::from))
+}
+
+/// As a file stores it.
+pub(super) fn stored(four: DVec4) -> Value {
+    four.to_array().map(|part| part as f32 + 0.0)
 }
 
 /// A translation as a file stores it.
