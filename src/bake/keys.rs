@@ -9,7 +9,7 @@ use super::contacts::FootContact;
 use super::leg_chain::LegChain;
 use super::root_motion::{RootCurve, RootMotion};
 use super::leverage::Leverage;
-use super::track::{Frame, Track, UPPER_TOLERANCE, stored, stored_rotation, stored_translation};
+use super::track::{Frame, Track, stored, stored_rotation, stored_translation};
 use crate::model::{BodyPose, Channel, Clip, Interpolation, KeyValues, Side, Target};
 use crate::rig::animate::{Poser, RootCarrier, RootMove};
 use crate::rig::{Rig, Trs};
@@ -19,11 +19,13 @@ use std::collections::BTreeMap;
 /// m: a frame is put in where a planted foot is off by more between frames.
 const BISECT: f64 = 0.05e-3;
 /// m: keys are put back where a planted foot is off by more after reduction.
-const SLIP: f64 = 0.11e-3;
-/// rad: and in the legs and what carries them, 0.02 degrees.
-const LEG_TOLERANCE: f64 = 0.02 * std::f64::consts::PI / 180.0;
+const SLIP: f64 = 0.25e-3;
+/// rad: what reduction may change in planted legs and what carries them, 0.03 degrees.
+const LEG_TOLERANCE: f64 = 0.03 * std::f64::consts::PI / 180.0;
 /// m: and in translations.
-const PLACE_TOLERANCE: f64 = 0.2e-3;
+const PLACE_TOLERANCE: f64 = 0.3e-3;
+/// Times that keys are put back.
+const PUT_BACK: i32 = 24;
 /// s: frames never come closer.
 const SHORTEST: f64 = 1.0e-3;
 /// s: contact edges nearer to each other than this are one.
@@ -83,9 +85,10 @@ pub fn keyed_clip_on(input: &KeyInput, turn: &dyn Fn(f64) -> DQuat, height: &dyn
     });
     for (side, leg) in legs.iter().enumerate() {
         for track in leg.tracks() {
+            frames.tracks[track].straight = false;
             frames.tracks[track].moves[side] = true;
             if frames.tracks[track].rotates {
-                frames.tracks[track].tolerance = LEG_TOLERANCE / 2.0;
+                frames.tracks[track].planted = LEG_TOLERANCE / 2.0;
             }
         }
     }
@@ -102,7 +105,7 @@ pub fn keyed_clip_on(input: &KeyInput, turn: &dyn Fn(f64) -> DQuat, height: &dyn
         .filter(|(_, start, end)| end > start)
         .collect();
     frames.bisect(&contacts, &legs, turn);
-    frames.reduce(&edges, &contacts);
+    frames.reduce(&contacts);
     frames.put_back(&contacts, &legs, turn);
     frames.into_clip(duration, &contacts)
 }
@@ -181,7 +184,9 @@ impl<'a> Frames<'a> {
                     let bend = if drive.joint == 0 { leverage.place() } else { f64::INFINITY };
                     frames.tracks.push(Track::moving(target, frames.metres(node), PLACE_TOLERANCE, bend));
                 }
-                frames.tracks.push(Track::turning(target, UPPER_TOLERANCE, leverage.turn(drive.joint)));
+                let mut turning = Track::turning(target, leverage.seen(drive.joint), leverage.turn(drive.joint));
+                turning.straight = leverage.carries_nothing(drive.joint);
+                frames.tracks.push(turning);
             }
         }
         frames
@@ -287,9 +292,8 @@ impl<'a> Frames<'a> {
         }
     }
 
-    /// Leaves out every key that interpolation restores; edges stay in what moves the feet.
-    fn reduce(&mut self, edges: &[f32], contacts: &[(&FootContact, f32, f32)]) {
-        let forced: Vec<bool> = self.times.iter().map(|time| edges.contains(time)).collect();
+    /// Leaves out every key that interpolation restores.
+    fn reduce(&mut self, contacts: &[(&FootContact, f32, f32)]) {
         let planted = Side::BOTH.map(|side| {
             let holds = |time: &f32| {
                 contacts.iter().any(|(contact, start, end)| contact.side == side && start <= time && time <= end)
@@ -317,8 +321,6 @@ impl<'a> Frames<'a> {
                     track.settle(&times);
                     continue;
                 }
-                let feet = track.moves != [false; 2];
-                track.keep.iter_mut().zip(&forced).for_each(|(keep, edge)| *keep |= feet && *edge);
                 track.choose(&times, &planted);
             }
             track.settle(&times);
@@ -328,7 +330,7 @@ impl<'a> Frames<'a> {
     /// Puts keys back until the planted feet are still.
     fn put_back(&mut self, contacts: &[(&FootContact, f32, f32)], legs: &[LegChain; 2], turn: &dyn Fn(f64) -> DQuat) {
         let times: Vec<f64> = self.times.iter().map(|time| f64::from(*time)).collect();
-        for _ in 0..32 {
+        for pass in 1..PUT_BACK {
             let mut missing: Vec<(usize, usize)> = Vec::new(); // frame, side
             for (contact, start, end) in contacts {
                 let leg = &legs[contact.side as usize];
@@ -353,20 +355,22 @@ impl<'a> Frames<'a> {
                 }
                 missing.extend(worst.1.map(|frame| (frame, contact.side as usize)));
             }
-            let mut changed = false;
+            if missing.is_empty() {
+                break;
+            }
+            // First where a track is off most, then wherever it is off at all.
+            let share = 0.5_f64.powi(pass);
             for track in &mut self.tracks {
                 let before = track.keep.clone();
-                for (frame, side) in &missing {
-                    track.keep[*frame] |= track.moves[*side];
-                    track.keep[*frame + 1] |= track.moves[*side];
+                let wanted = missing.iter().filter(|(_, side)| track.moves[*side]).flat_map(|(at, _)| [*at, *at + 1]);
+                for frame in wanted.collect::<Vec<usize>>() {
+                    if !track.keep[frame] && track.lacks(&times, frame) >= share * track.planted {
+                        track.keep[frame] = true;
+                    }
                 }
                 if track.keep != before {
                     track.settle(&times);
-                    changed = true;
                 }
-            }
-            if !changed {
-                break;
             }
         }
     }

@@ -15,9 +15,9 @@ use std::f64::consts::{PI, TAU};
 /// s, standard deviation of the filter on the root's path.
 const SMOOTHING: f64 = 0.2;
 /// m, how far the splines of the root's path may be from it.
-const KNOT_PLACE: f64 = 1.0e-3;
-/// rad, the same for its yaw: 0.1 degrees.
-const KNOT_YAW: f64 = 0.1 * PI / 180.0;
+const KNOT_PLACE: f64 = 1.0e-2;
+/// rad, the same for its yaw: 1 degree.
+const KNOT_YAW: f64 = 1.0 * PI / 180.0;
 
 /// s: slopes are taken over that, to either side.
 const SLOPE: f64 = 1.0e-3;

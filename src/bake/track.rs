@@ -5,11 +5,9 @@
 
 use super::spline;
 use crate::model::{Channel, Interpolation, KeyValues, Target};
-use crate::rig::animate::{chord, hermite};
+use crate::rig::animate::{chord, hermite, slerp};
 use glam::{DQuat, DVec3, DVec4};
 
-/// rad: what reduction may change in the upper body, 0.1 degrees.
-pub(super) const UPPER_TOLERANCE: f64 = 0.1 * std::f64::consts::PI / 180.0;
 /// A spline that leaves out a fourth derivative is off by h^4/384 of it and bends wrong by h^2/12 of it.
 const BEND: f64 = 32.0;
 /// What an f32 can hold, of a value.
@@ -20,7 +18,9 @@ pub(super) struct Track {
     pub(super) target: Target,
     pub(super) rotates: bool,
     pub(super) unit: f64,          // m, what one of its own units makes; 1 for rotations
+    pub(super) straight: bool,     // joined by straight lines and arcs
     pub(super) tolerance: f64,     // of `chord` for rotations, of local units for translations
+    pub(super) planted: f64,       // the same while a foot that it moves is planted
     pub(super) bend: f64,          // the same a second squared: what its acceleration may be off by
     pub(super) moves: [bool; 2],   // the left foot, the right foot
     pub(super) frames: Vec<Frame>, // (frames)
@@ -60,7 +60,8 @@ impl Track {
 
     fn new(target: Target, rotates: bool, tolerance: f64, bend: f64) -> Track {
         let (frames, keep, around, fits) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Track { target, rotates, unit: 1.0, tolerance, bend, moves: [false; 2], frames, keep, around, fits }
+        let (straight, moves, planted) = (false, [false; 2], tolerance);
+        Track { target, rotates, unit: 1.0, straight, tolerance, planted, bend, moves, frames, keep, around, fits }
     }
 
     pub(super) fn difference(&self, a: &Value, b: &Value) -> f64 {
@@ -91,8 +92,16 @@ impl Track {
         }
         let seconds = times[to] - times[from];
         let now = times[frame] + share * (times[next] - times[frame]);
+        let share = (now - times[from]) / seconds;
         let (a, b) = (&self.fits[from], &self.fits[to]);
-        self.joined([a.value, a.slopes[1], b.slopes[0], b.value], seconds, (now - times[from]) / seconds)
+        if self.straight {
+            let between = match self.rotates {
+                true => DVec4::from(slerp(DQuat::from_vec4(a.value), DQuat::from_vec4(b.value), share)),
+                false => a.value.lerp(b.value, share),
+            };
+            return stored(between);
+        }
+        self.joined([a.value, a.slopes[1], b.slopes[0], b.value], seconds, share)
     }
 
     /// Chooses as few frames beside those that are kept as leave the others within tolerance: first each time the worst
@@ -148,9 +157,14 @@ impl Track {
         let (from, to) = self.around[frame];
         let seconds = times[to] - times[from];
         let bend = (self.bend * seconds * seconds / BEND).max(ROUNDING);
-        let holds = !self.rotates || (0..2).any(|side| self.moves[side] && planted[side][frame]);
-        let tolerance = if holds { self.tolerance } else { UPPER_TOLERANCE / 2.0 };
-        self.difference(&self.reduced(times, frame, 0.0), &self.frames[frame].value) / tolerance.min(bend)
+        let holds = (0..2).any(|side| self.moves[side] && planted[side][frame]);
+        let tolerance = if holds { self.planted } else { self.tolerance };
+        self.lacks(times, frame) / tolerance.min(bend)
+    }
+
+    /// How far what the keys show at a frame is from it.
+    pub(super) fn lacks(&self, times: &[f64], frame: usize) -> f64 {
+        self.difference(&self.reduced(times, frame, 0.0), &self.frames[frame].value)
     }
 
     /// After a change of what is kept: the keys around each frame, and the slopes of the smooth curve through them. At a corner
@@ -185,7 +199,9 @@ impl Track {
         let mut first = 0;
         for last in 1..kept.len() {
             let Frame { slopes, .. } = self.frames[kept[last]];
-            if slopes[0] == slopes[1] && last + 1 < kept.len() {
+            // Nobody stands on what moves no foot: there a corner may be rounded.
+            let corner = slopes[0] != slopes[1] && self.moves != [false; 2];
+            if !corner && last + 1 < kept.len() {
                 continue;
             }
             let piece = &kept[first..=last];
@@ -203,7 +219,7 @@ impl Track {
     /// What of it is written: one value where nothing moves, else a spline through the keys.
     pub(super) fn channel(&self, times: &[f32]) -> Channel {
         let kept: Vec<usize> = (0..times.len()).filter(|frame| self.keep[*frame]).collect();
-        let spline = kept.len() > 1;
+        let spline = kept.len() > 1 && !self.straight;
         let mut numbers: Vec<Value> = Vec::with_capacity(3 * kept.len());
         for (index, frame) in kept.iter().enumerate() {
             let Fit { value, slopes } = self.fits[*frame];
