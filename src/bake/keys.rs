@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 /// m: a frame is put in where a planted foot is off by more between frames.
 const BISECT: f64 = 0.05e-3;
 /// m: keys are put back where a planted foot is off by more after reduction.
-const SLIP: f64 = 0.25e-3;
+const SLIP: f64 = 0.3e-3;
 /// rad: what reduction may change in planted legs and what carries them, 0.03 degrees.
 const LEG_TOLERANCE: f64 = 0.03 * std::f64::consts::PI / 180.0;
 /// m: and in translations.
@@ -345,7 +345,12 @@ impl<'a> Frames<'a> {
                             leg.held(contact.part, &|track| self.tracks[track].reduced(&times, frame, share));
                         held.distance(&now.seen_from(turn(from + (to - from) * share)))
                     });
-                    let off = off.fold(0.0, f64::max);
+                    // What the poses slip by themselves no key mends.
+                    let poses = [frame, frame + 1].map(|at| {
+                        let now = leg.held(contact.part, &|track| self.tracks[track].frames[at].value);
+                        held.distance(&now.seen_from(turn(f64::from(self.times[at]))))
+                    });
+                    let off = off.fold(0.0, f64::max) - poses[0].max(poses[1]);
                     if off > worst.0 {
                         worst = (off, Some(frame));
                     } else if off <= SLIP {
@@ -366,9 +371,11 @@ impl<'a> Frames<'a> {
                 for frame in wanted.collect::<Vec<usize>>() {
                     if !track.keep[frame] && track.lacks(&times, frame) >= share * track.planted {
                         track.keep[frame] = true;
+                    } else if track.keep[frame] && pass > PUT_BACK / 2 {
+                        track.own[frame] = true;
                     }
                 }
-                if track.keep != before {
+                if track.keep != before || pass > PUT_BACK / 2 {
                     track.settle(&times);
                 }
             }

@@ -25,6 +25,7 @@ pub(super) struct Track {
     pub(super) moves: [bool; 2],   // the left foot, the right foot
     pub(super) frames: Vec<Frame>, // (frames)
     pub(super) keep: Vec<bool>,    // (frames)
+    pub(super) own: Vec<bool>,     // (frames) keys with their own slopes, where the smooth curve's slip
     around: Vec<(usize, usize)>,   // (frames) last kept at or before, first kept at or after
     fits: Vec<Fit>,                // (frames) of the kept ones
 }
@@ -59,9 +60,9 @@ impl Track {
     }
 
     fn new(target: Target, rotates: bool, tolerance: f64, bend: f64) -> Track {
-        let (frames, keep, around, fits) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let (frames, keep, own, around, fits) = (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let (straight, moves, planted) = (false, [false; 2], tolerance);
-        Track { target, rotates, unit: 1.0, straight, tolerance, planted, bend, moves, frames, keep, around, fits }
+        Track { target, rotates, unit: 1.0, straight, tolerance, planted, bend, moves, frames, keep, own, around, fits }
     }
 
     pub(super) fn difference(&self, a: &Value, b: &Value) -> f64 {
@@ -187,6 +188,7 @@ impl Track {
             self.around[frame].1 = at;
         }
         self.fits.resize(count, Fit::default());
+        self.own.resize(count, false);
         let kept: Vec<usize> = (0..count).filter(|frame| self.keep[*frame]).collect();
         let mut before: Option<DVec4> = None;
         for frame in &kept {
@@ -200,7 +202,7 @@ impl Track {
         for last in 1..kept.len() {
             let Frame { slopes, .. } = self.frames[kept[last]];
             // Nobody stands on what moves no foot: there a corner may be rounded.
-            let corner = slopes[0] != slopes[1] && self.moves != [false; 2];
+            let corner = self.own[kept[last]] || (slopes[0] != slopes[1] && self.moves != [false; 2]);
             if !corner && last + 1 < kept.len() {
                 continue;
             }
