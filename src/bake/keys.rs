@@ -7,8 +7,8 @@
 
 use super::contacts::FootContact;
 use super::leg_chain::LegChain;
-use super::root_motion::{RootCurve, RootMotion};
 use super::leverage::Leverage;
+use super::root_motion::{RootCurve, RootMotion};
 use super::track::{Frame, Track, stored, stored_rotation, stored_translation};
 use crate::model::{BodyPose, Channel, Clip, Interpolation, KeyValues, Side, Target};
 use crate::rig::animate::{Poser, RootCarrier, RootMove};
@@ -19,9 +19,9 @@ use std::collections::BTreeMap;
 /// m: a frame is put in where a planted foot is off by more between frames.
 const BISECT: f64 = 0.05e-3;
 /// m: keys are put back where a planted foot is off by more after reduction.
-const SLIP: f64 = 0.3e-3;
-/// rad: what reduction may change in planted legs and what carries them, 0.03 degrees.
-const LEG_TOLERANCE: f64 = 0.03 * std::f64::consts::PI / 180.0;
+const SLIP: f64 = 0.4e-3;
+/// rad: what reduction may change in planted legs and what carries them, 0.05 degrees.
+const LEG_TOLERANCE: f64 = 0.05 * std::f64::consts::PI / 180.0;
 /// m: and in translations.
 const PLACE_TOLERANCE: f64 = 0.3e-3;
 /// Times that keys are put back.
@@ -85,7 +85,6 @@ pub fn keyed_clip_on(input: &KeyInput, turn: &dyn Fn(f64) -> DQuat, height: &dyn
     });
     for (side, leg) in legs.iter().enumerate() {
         for track in leg.tracks() {
-            frames.tracks[track].straight = false;
             frames.tracks[track].moves[side] = true;
             if frames.tracks[track].rotates {
                 frames.tracks[track].planted = LEG_TOLERANCE / 2.0;
@@ -184,9 +183,7 @@ impl<'a> Frames<'a> {
                     let bend = if drive.joint == 0 { leverage.place() } else { f64::INFINITY };
                     frames.tracks.push(Track::moving(target, frames.metres(node), PLACE_TOLERANCE, bend));
                 }
-                let mut turning = Track::turning(target, leverage.seen(drive.joint), leverage.turn(drive.joint));
-                turning.straight = leverage.carries_nothing(drive.joint);
-                frames.tracks.push(turning);
+                frames.tracks.push(Track::turning(target, leverage.seen(drive.joint), leverage.turn(drive.joint)));
             }
         }
         frames
@@ -266,7 +263,9 @@ impl<'a> Frames<'a> {
             while from + 1 < self.times.len() && self.times[from] < *end {
                 let (earlier, later) = (f64::from(self.times[from]), f64::from(self.times[from + 1]));
                 let off = [0.25, 0.5, 0.75].map(|share| {
-                    let now = leg.held(contact.part, &|track| self.tracks[track].between(from, from + 1, later - earlier, share));
+                    let now = leg.held(contact.part, &|track| {
+                        self.tracks[track].between(from, from + 1, later - earlier, share)
+                    });
                     held.distance(&now.seen_from(turn(earlier + (later - earlier) * share)))
                 });
                 if off.iter().all(|off| *off <= BISECT) || later - earlier < 2.0 * SHORTEST {
@@ -321,7 +320,11 @@ impl<'a> Frames<'a> {
                     track.settle(&times);
                     continue;
                 }
-                track.choose(&times, &planted);
+                if track.moves == [false; 2] {
+                    track.choose_join(&times, &planted);
+                } else {
+                    track.choose(&times, &planted);
+                }
             }
             track.settle(&times);
         }
@@ -341,8 +344,7 @@ impl<'a> Frames<'a> {
                 for frame in first..self.frame_at(*end) {
                     let [from, to] = [frame, frame + 1].map(|frame| f64::from(self.times[frame]));
                     let off = [0.0, 0.25, 0.5, 0.75, 1.0].into_iter().map(|share| {
-                        let now =
-                            leg.held(contact.part, &|track| self.tracks[track].reduced(&times, frame, share));
+                        let now = leg.held(contact.part, &|track| self.tracks[track].reduced(&times, frame, share));
                         held.distance(&now.seen_from(turn(from + (to - from) * share)))
                     });
                     // What the poses slip by themselves no key mends.

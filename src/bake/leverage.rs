@@ -62,11 +62,6 @@ impl Leverage {
         (PLACE * self.tall / self.reach[joint].max(1e-6)).clamp(TURN[0], TURN[1])
     }
 
-    /// Whether a joint carries no mass worth the name: a finger, an eye.
-    pub(super) fn carries_nothing(&self, joint: usize) -> bool {
-        self.moments[joint].1 <= 0.0
-    }
-
     /// rad/s²: what a joint's turning may be off by; infinite where it carries nothing.
     pub(super) fn turn(&self, joint: usize) -> f64 {
         let (first, second) = self.moments[joint];

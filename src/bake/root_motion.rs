@@ -229,10 +229,7 @@ fn between(from: &Knot, to: &Knot, time: f64) -> RootMove {
     let share = if seconds > 0.0 { ((time - from.time) / seconds).clamp(0.0, 1.0) } else { 0.0 };
     let place = hermite([from.place[0], from.place[1], to.place[1], to.place[0]], seconds, share);
     let turn = hermite([from.turn[0], from.turn[1], to.turn[1], to.turn[0]], seconds, share);
-    RootMove {
-        rotation: DQuat::from_vec4(turn.try_normalize().unwrap_or(DVec4::W)),
-        translation: place.truncate(),
-    }
+    RootMove { rotation: DQuat::from_vec4(turn.try_normalize().unwrap_or(DVec4::W)), translation: place.truncate() }
 }
 
 /// The turn about +Y in a rotation, rad.

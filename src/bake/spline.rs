@@ -15,7 +15,8 @@ pub(super) fn slopes(times: &[f64], values: &[DVec4], ends: [DVec4; 2]) -> Vec<D
     let mut above = vec![0.0; count]; // what is left of the row's last entry, forwards
     for at in 1..last {
         let [before, after] = [times[at] - times[at - 1], times[at + 1] - times[at]];
-        let secants = (values[at] - values[at - 1]) / (before * before) + (values[at + 1] - values[at]) / (after * after);
+        let secants =
+            (values[at] - values[at - 1]) / (before * before) + (values[at + 1] - values[at]) / (after * after);
         let pivot = 2.0 / before + 2.0 / after - above[at - 1] / before;
         above[at] = 1.0 / (after * pivot);
         slopes[at] = (secants * 3.0 - slopes[at - 1] / before) / pivot;
@@ -45,9 +46,8 @@ mod tests {
         let found = slopes(&times, &values, [DVec4::ZERO; 2]);
         let bend = |from: usize, share: f64| {
             let seconds = times[from + 1] - times[from];
-            let at = |share: f64| {
-                hermite([values[from], found[from], found[from + 1], values[from + 1]], seconds, share).x
-            };
+            let at =
+                |share: f64| hermite([values[from], found[from], found[from + 1], values[from + 1]], seconds, share).x;
             (at(share - 0.01) - 2.0 * at(share) + at(share + 0.01)) / (0.01 * seconds).powi(2)
         };
         // A cubic's second difference is its acceleration there: from both sides, led on to the key.

@@ -10,6 +10,8 @@ use glam::{DQuat, DVec3, DVec4};
 
 /// A spline that leaves out a fourth derivative is off by h^4/384 of it and bends wrong by h^2/12 of it.
 const BEND: f64 = 32.0;
+/// Keys of straight lines that are worth one of a curve: it has two tangents beside its value.
+const STRAIGHT: f64 = 2.0;
 /// What an f32 can hold, of a value.
 const ROUNDING: f64 = 5.0e-7;
 
@@ -134,23 +136,38 @@ impl Track {
             if !self.keep[frame] {
                 continue;
             }
-            self.keep[frame] = false;
-            self.settle(times);
             // What a key does is gone some keys away.
-            let near = self.neighbours(frame, 5);
-            if near.into_iter().any(|frame| !self.keep[frame] && self.off(times, planted, frame) > 1.0) {
+            let (from, to) = self.neighbours(frame, 8);
+            self.keep[frame] = false;
+            self.settle_between(times, from, to);
+            if (from..to).any(|frame| !self.keep[frame] && self.off(times, planted, frame) > 1.0) {
                 self.keep[frame] = true;
-                self.settle(times);
+                self.settle_between(times, from, to);
             }
         }
+        self.settle(times);
     }
 
-    /// The frames up to so many keys away.
-    fn neighbours(&self, frame: usize, keys: usize) -> std::ops::Range<usize> {
+    /// The same with curves, or with straight lines where they take fewer bytes and not too many more keys; for what moves no
+    /// foot.
+    pub(super) fn choose_join(&mut self, times: &[f64], planted: &[Vec<bool>; 2]) {
+        let forced = self.keep.clone();
+        let mut chosen = [false, true].map(|straight| {
+            (self.straight, self.keep) = (straight, forced.clone());
+            self.choose(times, planted);
+            std::mem::take(&mut self.keep)
+        });
+        let [curved, straight] = chosen.each_ref().map(|keep| keep.iter().filter(|keep| **keep).count());
+        self.straight = straight as f64 <= STRAIGHT * curved as f64;
+        self.keep = std::mem::take(&mut chosen[usize::from(self.straight)]);
+        self.settle(times);
+    }
+
+    /// The keys so many keys before and after a frame, or the outermost.
+    fn neighbours(&self, frame: usize, keys: usize) -> (usize, usize) {
         let kept = |frame: &usize| self.keep[*frame];
         let first = (0..frame).rev().filter(kept).nth(keys - 1).unwrap_or(0);
-        let last = (frame + 1..self.keep.len()).filter(kept).nth(keys - 1).unwrap_or(self.keep.len() - 1);
-        first..last + 1
+        (first, (frame + 1..self.keep.len()).filter(kept).nth(keys - 1).unwrap_or(self.keep.len() - 1))
     }
 
     /// How far what the keys show at a frame is from it, over what it may be.
@@ -172,32 +189,39 @@ impl Track {
     /// it has the corner's own.
     pub(super) fn settle(&mut self, times: &[f64]) {
         let count = self.keep.len();
-        self.around = vec![(0, 0); count];
-        let mut at = 0;
+        self.around.resize(count, (0, 0));
+        self.fits.resize(count, Fit::default());
+        self.own.resize(count, false);
+        let mut before: Option<DVec4> = None;
         for frame in 0..count {
+            let Frame { value, slopes } = self.frames[frame];
+            let opposite = self.rotates && before.is_some_and(|before| before.dot(four(&value)) < 0.0);
+            let turned = |value: &Value| if opposite { -four(value) } else { four(value) };
+            before = Some(turned(&value));
+            self.fits[frame] = Fit { value: turned(&value), slopes: slopes.each_ref().map(turned) };
+        }
+        let last = self.keep.iter().rposition(|keep| *keep).unwrap_or(0);
+        self.settle_between(times, 0, last);
+        self.around[last..].fill((last, last));
+    }
+
+    /// The same between two keys, whose slopes stay.
+    fn settle_between(&mut self, times: &[f64], from: usize, to: usize) {
+        let mut at = from;
+        for frame in from..=to {
             if self.keep[frame] {
                 at = frame;
             }
             self.around[frame].0 = at;
         }
-        let mut at = self.keep.iter().rposition(|keep| *keep).unwrap_or(0);
-        for frame in (0..count).rev() {
+        let mut at = to;
+        for frame in (from..=to).rev() {
             if self.keep[frame] {
                 at = frame;
             }
             self.around[frame].1 = at;
         }
-        self.fits.resize(count, Fit::default());
-        self.own.resize(count, false);
-        let kept: Vec<usize> = (0..count).filter(|frame| self.keep[*frame]).collect();
-        let mut before: Option<DVec4> = None;
-        for frame in &kept {
-            let Frame { value, slopes } = self.frames[*frame];
-            let opposite = self.rotates && before.is_some_and(|before| before.dot(four(&value)) < 0.0);
-            let turned = |value: &Value| if opposite { -four(value) } else { four(value) };
-            before = Some(turned(&value));
-            self.fits[*frame] = Fit { value: turned(&value), slopes: slopes.each_ref().map(turned) };
-        }
+        let kept: Vec<usize> = (from..=to).filter(|frame| self.keep[*frame]).collect();
         let mut first = 0;
         for last in 1..kept.len() {
             let Frame { slopes, .. } = self.frames[kept[last]];
