@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 /// m: a frame is put in where a planted foot is off by more between frames.
 const BISECT: f64 = 0.05e-3;
 /// m: keys are put back where a planted foot is off by more after reduction.
-const SLIP: f64 = 0.4e-3;
+const SLIP: f64 = 0.35e-3;
 /// rad: what reduction may change in planted legs and what carries them, 0.05 degrees.
 const LEG_TOLERANCE: f64 = 0.05 * std::f64::consts::PI / 180.0;
 /// m: and in translations.
