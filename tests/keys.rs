@@ -72,23 +72,22 @@ fn without_tangents(clip: &Clip) -> Clip {
 /// Overwrites tangents by those of the smooth curve: relaxed until they stay.
 fn evened<const N: usize>(times: &[f32], numbers: &mut [[f32; N]]) {
     let last = times.len() - 1;
-    for part in 0..N {
-        let value = |at: usize| f64::from(numbers[3 * at + 1][part]);
-        let seconds = |at: usize| f64::from(times[at + 1]) - f64::from(times[at]);
-        let mut slopes = vec![0.0; times.len()];
-        for _ in 0..200 {
-            for at in 1..last {
-                let [before, after] = [seconds(at - 1), seconds(at)];
-                let secants =
-                    (value(at) - value(at - 1)) / before.powi(2) + (value(at + 1) - value(at)) / after.powi(2);
-                let around = slopes[at - 1] / before + slopes[at + 1] / after;
-                slopes[at] = (3.0 * secants - around) / (2.0 / before + 2.0 / after);
-            }
+    let values: Vec<[f64; N]> = numbers.chunks_exact(3).map(|key| key[1].map(f64::from)).collect();
+    let seconds = |at: usize| f64::from(times[at + 1]) - f64::from(times[at]);
+    let mut slopes = vec![[0.0; N]; times.len()];
+    for _ in 0..200 {
+        for at in 1..last {
+            let [before, after] = [seconds(at - 1), seconds(at)];
+            slopes[at] = std::array::from_fn(|part| {
+                let [from, here, to] = [values[at - 1][part], values[at][part], values[at + 1][part]];
+                let secants = (here - from) / before.powi(2) + (to - here) / after.powi(2);
+                let around = slopes[at - 1][part] / before + slopes[at + 1][part] / after;
+                (3.0 * secants - around) / (2.0 / before + 2.0 / after)
+            });
         }
-        for (at, slope) in slopes.into_iter().enumerate() {
-            numbers[3 * at][part] = slope as f32;
-            numbers[3 * at + 2][part] = slope as f32;
-        }
+    }
+    for (key, slope) in numbers.chunks_exact_mut(3).zip(slopes) {
+        (key[0], key[2]) = (slope.map(|part| part as f32), slope.map(|part| part as f32));
     }
 }
 
@@ -127,7 +126,7 @@ fn feet_slip_where_the_hips_lose_every_other_key() {
     let hips = Target::Node(rig.hips_node());
     let mut thinned = baked.clip.clone();
     let thin = |channel: &mut Channel| {
-        let keep = |key: &usize| key % 2 == 0;
+        let keep = |key: &usize| key.is_multiple_of(2);
         let KeyValues::Translation(numbers) = &channel.values else { return };
         let kept: Vec<usize> = (0..channel.times.len()).filter(keep).collect();
         let numbers = kept.iter().flat_map(|key| numbers[3 * key..3 * key + 3].to_vec()).collect();
