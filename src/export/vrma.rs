@@ -130,13 +130,15 @@ pub fn vrma(rig: &Rig, clip: &Clip, report: &ClipReport) -> Result<ExportedVrma,
     Ok(ExportedVrma { bytes: container(&root, file.bytes)?, report, losses: losses.into_iter().collect() })
 }
 
-/// Every time at which the clip has a key, and its end.
+/// Every time at which the clip has a key or a frame, and its end: straight lines need them where the clip's own keys are joined by curves.
 fn times(clip: &Clip) -> Vec<f32> {
     let mut times: Vec<f32> = clip.channels.iter().flat_map(|channel| channel.times.iter().copied()).collect();
+    let frames = (clip.duration * clip.fps).floor().clamp(0.0, 1e6) as usize;
+    times.extend((0..=frames).map(|frame| (frame as f64 / clip.fps.max(1e-6)) as f32));
     times.extend([0.0, clip.duration as f32]);
     times.retain(|time| *time >= 0.0);
     times.sort_by(f32::total_cmp);
-    times.dedup();
+    times.dedup_by(|later, earlier| *later - *earlier < 1e-4);
     times
 }
 
