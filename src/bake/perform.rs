@@ -20,6 +20,8 @@ use crate::sim::{Script, SessionPush, SimulateOptions, TickState, Trace, simulat
 use crate::stepper::{Phase, Physique, Step, Style};
 use crate::whole_body::reaction::{Personality, Reaction, Senses, UpperAngles};
 use crate::whole_body::solve::Solved;
+use crate::whole_body::struck::{Blow, struck};
+use crate::whole_body::sway::Sway;
 use crate::whole_body::{Anatomy, Solver, stand};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
@@ -176,7 +178,8 @@ pub fn perform_over(
         .enumerate()
         .map(|(index, tick)| DVec3::new(tick.com.x, if real { tick.com.y } else { height(index) }, tick.com.z));
     let mut com: Vec<DVec3> = path.collect();
-    let mut upper = upper_body(ticks, trace.dt, (&physique, &script.physiques), seed, scenario);
+    let blows = Blow::of(body, &anatomy, &physique, &pushes);
+    let mut upper = upper_body(ticks, trace.dt, (&physique, &script.physiques), &blows, seed, scenario);
     let left = left_over(&steps, &pushes, trace.dt, count);
     if let Some(stood) = &stood {
         let ends = stood.rests(&start, &steps, facing);
@@ -414,6 +417,7 @@ fn upper_body(
     ticks: &[TickState],
     dt: f64,
     (physique, loaded): (&Physique, &[Physique]),
+    blows: &[Blow],
     seed: u64,
     scenario: &Scenario,
 ) -> Vec<UpperAngles> {
@@ -429,6 +433,11 @@ fn upper_body(
     };
     let unhurried = style(&scenario.character).unhurried();
     let mut reaction = Reaction::new(physique, personality, scenario.character.style.arms).unhurried(unhurried);
+    let sway = {
+        let side = blows.iter().map(|blow| blow.force.x).find(|aside| aside.abs() > 1e-6).map_or(1.0, f64::signum);
+        let seconds = (ticks.len() - 1) as f64 * dt;
+        Sway::new(seed, scenario.character.breathing, side, seconds, (physique.com_height / 0.96).sqrt())
+    };
     let script = Script::of(scenario, Vec::new());
     let senses = |tick: &TickState, time: f64| Senses {
         acceleration: tick.acceleration,
@@ -446,7 +455,10 @@ fn upper_body(
     let mut angles = Vec::with_capacity(ticks.len());
     for (index, tick) in ticks.iter().enumerate() {
         reaction.weigh(loaded.get(index).unwrap_or(physique).mass);
-        angles.push(reaction.tick(&senses(tick, index as f64 * dt), dt));
+        let time = index as f64 * dt;
+        let reacts = reaction.tick_struck(&senses(tick, time), &struck(blows, tick.facing, time, dt), dt);
+        let sways = sway.at(time, reaction.calm());
+        angles.push(std::array::from_fn(|entry| reacts[entry] + sways[entry]));
     }
     angles
 }
