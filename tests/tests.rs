@@ -17,6 +17,8 @@ mod audit_forces;
 mod audit_grid;
 /// Base clips: stands and walks that a reaction starts from and returns to.
 mod base;
+/// Baked shoves beside the hand-keyed hits of the same rig; draws them where it is told to.
+mod beside;
 /// Height, masses and soles of real rigs and of the built-in one.
 mod bodies;
 /// The program at the shell: exit codes, words, files.

@@ -434,7 +434,8 @@ fn upper_body(
     let unhurried = style(&scenario.character).unhurried();
     let mut reaction = Reaction::new(physique, personality, scenario.character.style.arms).unhurried(unhurried);
     let sway = {
-        let side = blows.iter().map(|blow| blow.force.x).find(|aside| aside.abs() > 1e-6).map_or(1.0, f64::signum);
+        let aside = blows.iter().flat_map(|blow| [blow.force.x, blow.beside.x]).find(|aside| aside.abs() > 1e-6);
+        let side = aside.map_or(1.0, f64::signum);
         let seconds = (ticks.len() - 1) as f64 * dt;
         Sway::new(seed, scenario.character.breathing, side, seconds, (physique.com_height / 0.96).sqrt())
     };

@@ -70,8 +70,6 @@ const PUSH_ARM: f64 = 0.19;
 const SHOULDER: f64 = 0.18;
 /// What the pelvis takes of the trunk's lean, left and forward.
 const PELVIS_SHARE: [f64; 2] = [0.30, 0.38];
-/// rad, at full alarm: how far the trunk bends against a fall to the side, forwards and backwards.
-const BRACE: [f64; 3] = [0.06, 0.04, 0.08];
 
 /// Memory of the reaction.
 #[derive(Clone, Debug)]
@@ -84,7 +82,7 @@ pub struct Reaction {
     head: [Spring; 2],      // what the head keeps of it
     pelvis_yaw: Spring,     // relative to facing, left positive
     list: Spring,           // pelvis drop on the right positive
-    tuck: [Spring; 2],      // lean of the pelvis
+    tuck: [Spring; 2],      // lean of the pelvis by pushes on it
     twist: [Spring; 2],     // of chest and pelvis by pushes, left positive
     stride: Stride,         // what walking adds
     walked: f64,            // 0..1, walks or did until a moment ago
@@ -162,21 +160,18 @@ impl Reaction {
         let trunk_omega = TAU * 1.35 / scale;
         let (head, hips) = (struck.head / mass, struck.hips / mass);
         let drive = ((push * 0.2 + tipping * 0.8) * 5.2 - hips * 4.0 - ground * 1.2) * gain / length;
-        // A moment later it bends against the fall.
-        let brace = DVec2::new(BRACE[0], if self.fall.y < 0.0 { BRACE[2] } else { BRACE[1] }) * self.fall * self.alarm;
         for axis in 0..2 {
             self.lean[axis].v += drive[axis] * dt;
-            self.lean[axis].step(-brace[axis], trunk_omega, 0.5, dt);
+            self.lean[axis].step(0.0, trunk_omega, 0.5, dt);
         }
         let lean = DVec2::new(soft_limit(self.lean[0].x, 0.42), soft_limit(self.lean[1].x, 0.60));
         let head_omega = TAU * 2.2 / scale;
         for axis in 0..2 {
             let keeps = 0.25 + 0.08 * self.personality.head_gain;
-            self.head[axis].v += (head[axis] * 22.0 - (push[axis] - head[axis]) * 1.1) / length * dt;
+            self.head[axis].v += (head[axis] * 30.0 - (push[axis] - head[axis]) * 1.1) / length * dt;
             self.head[axis].step(keeps * lean[axis], head_omega, 0.45, dt);
-            // The pelvis follows the trunk, but where it is what was struck.
             self.tuck[axis].v += hips[axis] * 7.0 / length * dt;
-            self.tuck[axis].step(PELVIS_SHARE[axis] * lean[axis], TAU * 2.4 / scale, 0.75, dt);
+            self.tuck[axis].step(0.0, TAU * 2.4 / scale, 0.75, dt);
         }
         let turns = 70.0 * struck.twist / (mass * length * length) * gain;
         let turned = self.twist[0].v;
@@ -213,7 +208,7 @@ impl Reaction {
         angles[14] = soft_limit(self.twist[0].x, 0.6);
         angles[15] = self.twist[1].x;
         for axis in 0..2 {
-            angles[16 + axis] = self.tuck[axis].x - PELVIS_SHARE[axis] * lean[axis];
+            angles[16 + axis] = soft_limit(self.tuck[axis].x, 0.35);
         }
         angles
     }
@@ -323,8 +318,7 @@ pub fn upper_turns(angles: &UpperAngles) -> (DQuat, DQuat, DQuat, [ArmAngles; 2]
         let (raise, abduct, elbow) = (angles[7 + side * 3], angles[8 + side * 3], angles[9 + side * 3]);
         let lift = raise.abs().max(abduct.abs());
         ArmAngles {
-            // Backwards it stops sooner.
-            raise: relaxed.raise + soft_limit(raise, if raise < 0.0 { 0.8 } else { 1.6 }),
+            raise: relaxed.raise + soft_limit(raise, 1.6),
             // Never through the ribs: inwards it stops soon.
             abduct: relaxed.abduct + if abduct < 0.0 { soft_limit(abduct, 0.10) } else { soft_limit(abduct, 1.5) },
             // A raised forearm that stays turned in crosses the face.

@@ -9,7 +9,7 @@ use super::solve::Solver;
 use super::stand::{natural_plants, stand_target};
 use crate::maths::curve::smooth3;
 use crate::measure::{KnownPush, PushPoint};
-use crate::model::{Body, Physique, Side};
+use crate::model::{Body, Physique, Role, Side};
 use glam::{DVec2, DVec3};
 
 /// What a neck passes on to the trunk.
@@ -64,7 +64,8 @@ impl Blow {
         let places = standing.positions(body);
         let blow = |push: &KnownPush| {
             let (joint, at) = match push.at {
-                PushPoint::Joint(joint) => (joint, places[joint]),
+                // Of a joint of the trunk: at its middle.
+                PushPoint::Joint(joint) => (joint, places[joint].with_x(0.0).with_z(0.0)),
                 PushPoint::Segment(joint, offset) => (joint, places[joint] + standing.turns[joint] * offset),
                 PushPoint::Centre => (0, com),
                 PushPoint::World(point) => (0, point),
@@ -91,6 +92,10 @@ impl Blow {
         let hips = (places[anatomy.legs[0].upper] + places[anatomy.legs[1].upper]) * 0.5;
         let mut part = Some(joint);
         while let Some(here) = part {
+            if matches!(body.joints[here].role, Role::Chest | Role::UpperChest) {
+                self.arm = self.arm.min(shoulders.y - com);
+                return;
+            }
             if here == anatomy.head || Some(here) == anatomy.neck {
                 self.head = if here == anatomy.head { 1.0 } else { 0.5 };
                 let passed = 1.0 - (1.0 - THROUGH_NECK) * self.head;
@@ -151,7 +156,6 @@ pub fn struck(blows: &[Blow], facing: f64, time: f64, dt: f64) -> Struck {
 mod tests {
     use super::*;
     use crate::measure::fixture;
-    use crate::model::Role;
 
     fn blow(role: Role, force: DVec3) -> Blow {
         let body = fixture::body();
