@@ -7,7 +7,7 @@ use crate::reaction::{Seen, delay, leaning, peak, settles};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use surefoot::bake::{BakeOptions, Baked, base::prepare, bake};
+use surefoot::bake::{BakeOptions, Baked, bake, base::prepare};
 use surefoot::mocap;
 use surefoot::model::scenario::{self, Direction, Push, Scenario};
 use surefoot::model::{Clip, Role};
@@ -95,13 +95,17 @@ fn hand_keyed_hits_and_baked_shoves_side_by_side() {
     }
     let rig = load(&file).expect("it loads");
     let names = clips::clip_names(&rig);
-    println!("clip                         trunk 1deg  peak | head          | twist | arm           | settle trunk, arms | feet cm");
+    println!(
+        "clip                         trunk 1deg  peak | head          | twist | arm           | settle trunk, arms | feet cm"
+    );
     for (theirs, at, towards, impulse, seconds) in PAIRS {
         let index = names.iter().position(|name| name == theirs).expect("the rig has it");
         let keyed = clips::read_clip(&rig, index).expect("it reads");
         let baked = ours(&rig, &file, (at, towards, impulse, seconds));
         let sampler = RefCell::new(rig.sampler(&keyed));
-        let seen = Seen::over(&rig, [0.0, keyed.duration], keyed.duration, &mut |time| sampler.borrow_mut().sample(time).pose());
+        let seen = Seen::over(&rig, [0.0, keyed.duration], keyed.duration, &mut |time| {
+            sampler.borrow_mut().sample(time).pose()
+        });
         told(&format!("{theirs} ({:.2} s)", keyed.duration), &seen, feet(&rig, &keyed, [0.0, keyed.duration]));
         let own = RefCell::new(rig.sampler(&baked.clip));
         let seen = Seen::over(&rig, [START, 5.0], START, &mut |time| own.borrow_mut().sample(time).pose());

@@ -105,7 +105,9 @@ fn at(seconds: f64) -> usize {
 
 #[test]
 fn trunk_arms_and_head_react_with_a_persons_delays_and_sizes() {
-    println!("  Ns    to |  1 deg after s: trunk arms  head | against the fall | peak deg at s: trunk       arms        head pitch roll | settle s");
+    println!(
+        "  Ns    to |  1 deg after s: trunk arms  head | against the fall | peak deg at s: trunk       arms        head pitch roll | settle s"
+    );
     let rig = rig("builtin").expect("the built-in rig");
     let mut trunks = Vec::new();
     for impulse in [20.0, 60.0, 100.0] {
@@ -138,11 +140,17 @@ fn trunk_arms_and_head_react_with_a_persons_delays_and_sizes() {
                 settles(&seen.head)
             );
             let what = format!("{impulse} Ns towards {towards}");
-            assert!((0.10..=if impulse < 50.0 { 0.36 } else { 0.23 }).contains(&active), "{what}: the arms rise after {active} s");
+            assert!(
+                (0.10..=if impulse < 50.0 { 0.36 } else { 0.23 }).contains(&active),
+                "{what}: the arms rise after {active} s"
+            );
             assert!((0.02..=0.12).contains(&delay(&seen.trunk)), "{what}: the push itself moves the trunk");
             assert!((0.18..=0.35).contains(&trunk_at), "{what}: the trunk turns back after {trunk_at} s");
             assert!(arm_at > trunk_at, "{what}: arms come after the trunk");
-            assert!(pitch.hypot(roll) < 0.35 * trunk + 0.1, "{what}: the head leans by {pitch} and {roll}, the trunk by {trunk}");
+            assert!(
+                pitch.hypot(roll) < 0.35 * trunk + 0.1,
+                "{what}: the head leans by {pitch} and {roll}, the trunk by {trunk}"
+            );
             assert!(settles(&seen.trunk) < 1.8 && settles(arms) < 2.6, "{what}: does not come to rest");
             trunks.push((impulse, trunk, arm));
         }
@@ -151,7 +159,8 @@ fn trunk_arms_and_head_react_with_a_persons_delays_and_sizes() {
         let those: Vec<f64> = trunks.iter().filter(|row| row.0 == impulse).map(of).collect();
         those.iter().sum::<f64>() / those.len() as f64
     };
-    let [small, middle, large] = [20.0, 60.0, 100.0].map(|impulse| (mean(impulse, |row| row.1), mean(impulse, |row| row.2)));
+    let [small, middle, large] =
+        [20.0, 60.0, 100.0].map(|impulse| (mean(impulse, |row| row.1), mean(impulse, |row| row.2)));
     assert!((3.0..6.0).contains(&small.0) && (11.0..15.0).contains(&middle.0) && (16.0..22.0).contains(&large.0));
     assert!(small.1 < 16.0 && middle.1 > 2.0 * small.1 && large.1 > 1.1 * middle.1, "{small:?} {middle:?} {large:?}");
 }
@@ -320,7 +329,9 @@ fn over_a_symmetric_base_clip_too_and_it_ends_as_the_base_breathing_or_not() {
             let bend = |turns: &[DQuat], joint: usize, parent: usize| turns[parent].inverse() * turns[joint];
             for tick in 0..=180 {
                 let now = sampler.sample(f64::from(tick) / 30.0);
-                for (joint, parent) in rig.body.joints.iter().enumerate().filter_map(|(j, known)| Some((j, known.parent?))) {
+                for (joint, parent) in
+                    rig.body.joints.iter().enumerate().filter_map(|(j, known)| Some((j, known.parent?)))
+                {
                     let named = rig.body.joints[joint].role.name();
                     if ["Hand", "Thumb", "Index", "Middle", "Ring", "Little"].iter().any(|part| named.contains(part)) {
                         let off = bend(&now.turns, joint, parent).angle_between(bend(&first.turns, joint, parent));
@@ -371,7 +382,11 @@ fn who_is_told_to_breathe_does_and_keeps_his_feet() {
         };
         let (chest, arm) = (moved(chest), moved(arm));
         let told = &clip.report.plausibility;
-        println!("{name}: chest {chest:.2}, arm {arm:.2}, ends {ends:.3} degrees; slip {:.2} mm, ZMP {:.0} %", told.slip_max_mm, 100.0 * told.zmp_inside);
+        println!(
+            "{name}: chest {chest:.2}, arm {arm:.2}, ends {ends:.3} degrees; slip {:.2} mm, ZMP {:.0} %",
+            told.slip_max_mm,
+            100.0 * told.zmp_inside
+        );
         assert!((0.5..3.0).contains(&chest) && (0.5..3.0).contains(&arm), "{name}: {chest} {arm}");
         assert!(ends < 0.05, "{name}: it ends {ends} degrees from where it starts");
         assert!(told.slip_max_mm < 1.0 && clip.report.steps == 0 && clip.report.outcome == Outcome::Still, "{name}");

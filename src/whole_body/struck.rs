@@ -104,7 +104,8 @@ impl Blow {
             }
             for side in Side::BOTH {
                 let (arm, leg) = (&anatomy.arms[side as usize], &anatomy.legs[side as usize]);
-                let along = [(Some(arm.hand), 1.0), (Some(arm.lower), 0.7), (Some(arm.upper), 0.35), (arm.shoulder, 0.0)];
+                let along =
+                    [(Some(arm.hand), 1.0), (Some(arm.lower), 0.7), (Some(arm.upper), 0.35), (arm.shoulder, 0.0)];
                 if let Some((_, swings)) = along.into_iter().find(|(known, _)| *known == Some(here)) {
                     let shoulder = places[arm.upper];
                     self.arms[side as usize] = swings;

@@ -31,7 +31,7 @@ pub struct Sway {
     side: f64,
     seconds: f64,
     scale: f64,
-    breath: [f64; 2],            // 1/s, and turns that it starts at
+    breath: [f64; 2],          // 1/s, and turns that it starts at
     waves: Vec<[[f64; 2]; 3]>, // the same, of each wandering
 }
 
@@ -92,7 +92,8 @@ mod tests {
 
     #[test]
     fn seeds_differ_and_the_other_side_is_the_mirror_image() {
-        let [one, other, mirrored] = [(1, 1.0), (2, 1.0), (1, -1.0)].map(|(seed, side)| Sway::new(seed, 0.5, side, 9.0, 1.0));
+        let [one, other, mirrored] =
+            [(1, 1.0), (2, 1.0), (1, -1.0)].map(|(seed, side)| Sway::new(seed, 0.5, side, 9.0, 1.0));
         assert_ne!(one.at(4.0, 1.0), other.at(4.0, 1.0));
         let (ours, theirs) = (one.at(4.0, 1.0), mirrored.at(4.0, 1.0));
         for entry in [0, 2, 4, 5] {
