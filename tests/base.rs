@@ -64,10 +64,7 @@ fn a_reaction_starts_in_the_base_clip_and_comes_back_to_it() {
         println!("skipped: no third-party rigs");
         return;
     };
-    println!(
-        "{:<44} {:>5} {:>9} {:>22} {:>22} {:>6} {:>6}",
-        "", "Ns", "outcome", "first deg mm", "last deg mm", "ZMP", "slip"
-    );
+    println!("{:<44} {:>5} {:>9} {:>22} {:>22} {:>6} {:>6}", "", "Ns", "outcome", "first deg mm", "last deg mm", "ZMP", "slip");
     for (file, clip) in STANDS {
         for (heading, impulse) in [(0.0, 30.0), (-90.0, 60.0), (135.0, 90.0)] {
             let scenario = shoved(clip, heading, impulse);

@@ -56,10 +56,10 @@ mod picture;
 mod ragdoll;
 /// The articulated body walking.
 mod ragdoll_walk;
-/// What trunk, head and arms do of a push: delays, where it struck, mirror images, seeds, breath.
-mod reaction;
 /// Rigs made from others or from nothing: scales, axes, skins, naming conventions, lacking bones, overrides.
 mod rig_variants;
+/// What trunk, head and arms do of a push: delays, where it struck, mirror images, seeds, breath.
+mod reaction;
 /// Real rigs: bones, height, heading, unit.
 mod rigs;
 /// Soles in plan: apart and uncrossed.

@@ -10,9 +10,7 @@ use super::ragdoll::{self, Driven};
 use super::root_motion::RootMotion;
 use crate::maths::pendulum::GRAVITY;
 use crate::measure::{Findings, Frame, KnownPush, Motion, PushPoint, Setting, measure_in};
-use crate::model::report::{
-    Assist, BaseReport, BodyReport, Contact, Disturbance, Event, JointTorque, Outcome, Plausibility,
-};
+use crate::model::report::{Assist, BaseReport, BodyReport, Contact, Disturbance, Event, JointTorque, Outcome, Plausibility};
 use crate::model::scenario::{GroundKind, Scenario};
 use crate::model::{Body, BodyPose, Clip, ClipReport, Role, Side};
 use crate::ragdoll::control::MOST_TORQUE;

@@ -158,8 +158,7 @@ impl<'a> Work<'a> {
     }
 
     fn notes(&self, source: &SourceFeet) -> Vec<String> {
-        let mut notes =
-            vec![format!("retargeted: the way of the pelvis is {:.3} of the clip's, by leg length", self.scale)];
+        let mut notes = vec![format!("retargeted: the way of the pelvis is {:.3} of the clip's, by leg length", self.scale)];
         let lacks: Vec<&str> = (self.body.joints.iter().filter(|joint| joint.animated))
             .filter(|joint| self.capture.body.joint(joint.role).is_none())
             .map(|joint| joint.role.name())
@@ -221,7 +220,8 @@ impl<'a> Work<'a> {
         let own: Vec<DVec3> =
             (0..frames).map(|frame| middle(&self.capture.body, &|joint| self.capture.at(frame)[joint])).collect();
         let first = DVec3::new(own[0].x, 0.0, own[0].z);
-        let scaled: Vec<DVec3> = own.iter().map(|own| first + (*own - first - DVec3::Y * floor) * self.scale).collect();
+        let scaled: Vec<DVec3> =
+            own.iter().map(|own| first + (*own - first - DVec3::Y * floor) * self.scale).collect();
         let size = self.capture.body.leg_length / 0.83;
         let (light, fast) = (LIGHT.0 * size, LIGHT.1 * size.max(0.0).sqrt());
         let beside: Vec<f64> = (0..frames)
@@ -283,11 +283,7 @@ impl<'a> Work<'a> {
                 .fold(0.0, f64::max)
             })
             .collect();
-        zero_lag(&hats, 2.0 * SETTLES / tempo, self.capture.fps)
-            .into_iter()
-            .zip(&need)
-            .map(|(a, b)| a.max(*b))
-            .collect()
+        zero_lag(&hats, 2.0 * SETTLES / tempo, self.capture.fps).into_iter().zip(&need).map(|(a, b)| a.max(*b)).collect()
     }
 
     /// A frame: the pelvis and the ankles at their places, legs between.

@@ -52,7 +52,8 @@ impl FootPlan {
             .collect();
         // The lowest point over the floor: as the source's, but exactly on the ground in a stance.
         let least = stances.iter().map(|stance| stance.height).fold(0.0, f64::min);
-        let clearance: Vec<f64> = source.clearance[side as usize].iter().map(|over| scale * over.max(least)).collect();
+        let clearance: Vec<f64> =
+            source.clearance[side as usize].iter().map(|over| scale * over.max(least)).collect();
         let offsets: Vec<Vec<DVec3>> = stances
             .iter()
             .map(|stance| {
@@ -138,8 +139,7 @@ fn level(own: &[DQuat], parts: &[Part], of: usize) -> Option<Vec<DQuat>> {
     if of == 0 && mean(&|at| (own[at] * DVec3::Y).angle_between(DVec3::Y)) > TILTED {
         return None;
     }
-    let (low, high) =
-        counted.iter().fold((f64::MAX, f64::MIN), |(low, high), at| (low.min(yaws[*at]), high.max(yaws[*at])));
+    let (low, high) = counted.iter().fold((f64::MAX, f64::MIN), |(low, high), at| (low.min(yaws[*at]), high.max(yaws[*at])));
     let still = high - low < SWIVELS;
     let middle = mean(&|at| yaws[at]);
     Some(yaws.iter().map(|yaw| DQuat::from_rotation_y(first + if still { middle } else { *yaw })).collect())

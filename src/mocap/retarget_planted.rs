@@ -120,13 +120,8 @@ pub(super) fn source_feet(capture: &Capture, told: Option<&[Planted]>) -> Source
     let size = body.leg_length / 0.83;
     let tempo = size.max(0.0).sqrt();
     let reach = ((capture.fps / 60.0).round() as usize).max(1);
-    let mut found = SourceFeet {
-        floor: [0.0; 2],
-        clearance: [vec![], vec![]],
-        still: [vec![], vec![]],
-        stances: vec![],
-        slides: 0,
-    };
+    let mut found =
+        SourceFeet { floor: [0.0; 2], clearance: [vec![], vec![]], still: [vec![], vec![]], stances: vec![], slides: 0 };
     for side in Side::BOTH {
         let sole = Sole::of(body, side);
         let shape = &body.feet[side as usize];
@@ -153,9 +148,7 @@ pub(super) fn source_feet(capture: &Capture, told: Option<&[Planted]>) -> Source
     }
     let spans = match told {
         Some(told) => told.iter().copied().filter(|planted| planted.start <= planted.end).collect(),
-        None => {
-            Side::BOTH.into_iter().flat_map(|side| spans(&found, side, capture.fps, size, tempo)).collect::<Vec<_>>()
-        }
+        None => Side::BOTH.into_iter().flat_map(|side| spans(&found, side, capture.fps, size, tempo)).collect::<Vec<_>>(),
     };
     let frames_at_rest = rest_frames(body);
     for planted in spans {

@@ -17,9 +17,9 @@ pub use stand::Stood;
 
 use crate::audit::contacts::footfalls;
 use crate::audit::track::Track;
-use crate::maths::hull::{convex_hull, signed_distance};
 use crate::model::{BodyPose, Capture, Side};
 use crate::whole_body::{Anatomy, BasePose};
+use crate::maths::hull::{convex_hull, signed_distance};
 use glam::{DQuat, DVec2, DVec3};
 
 /// rad, mean over the joints: a clip whose last pose is this near to its first is a loop.
@@ -92,8 +92,7 @@ impl Base {
             off / from.turns.len().max(1) as f64
         };
         let loops = frames.len() > 2 && apart(&frames[0].pose, &frames[frames.len() - 1].pose) < LOOPS;
-        let mut base =
-            Base { name: capture.name.clone(), fps: capture.fps, loops, own: None, notes: Vec::new(), frames };
+        let mut base = Base { name: capture.name.clone(), fps: capture.fps, loops, own: None, notes: Vec::new(), frames };
         base.judge(capture)?;
         Ok(base)
     }
