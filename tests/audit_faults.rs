@@ -20,6 +20,8 @@ pub struct Planted {
     pub capture: Capture,
     /// Frames that are spoiled, first and last.
     pub span: (usize, usize),
+    /// The foot that was moved, where it is one.
+    pub side: Option<Side>,
 }
 
 /// Where a plant is moved to.
@@ -74,7 +76,7 @@ pub fn moved_plant(capture: &Capture, way: Way, metres: f64, seed: &mut Seed) ->
         };
         move_foot(&mut planted, frame, landing.side, DVec3::new(shift.x, 0.0, shift.y) * share, None);
     }
-    Some(Planted { capture: planted, span: (landing.start, landing.end) })
+    Some(Planted { capture: planted, span: (landing.start, landing.end), side: Some(landing.side) })
 }
 
 /// One foot slides by so many metres while it bears.
@@ -94,11 +96,11 @@ pub fn slide(capture: &Capture, metres: f64, seed: &mut Seed) -> Option<Planted>
         };
         move_foot(&mut planted, frame, landing.side, shift * share, None);
     }
-    Some(Planted { capture: planted, span: (landing.start, landing.end) })
+    Some(Planted { capture: planted, span: (landing.start, landing.end), side: Some(landing.side) })
 }
 
-/// One swing at double speed: the foot arrives in half the time and waits; nothing else changes.
-pub fn fast_swing(capture: &Capture, seed: &mut Seed) -> Option<Planted> {
+/// One swing at so many times its speed: the foot arrives that much sooner and waits; nothing else changes.
+pub fn fast_swing(capture: &Capture, times: f64, seed: &mut Seed) -> Option<Planted> {
     let track = Track::new(capture);
     let feet = footfalls(&track);
     let (taken, _) = pick(&candidates(&feet, &track), seed)?;
@@ -107,11 +109,11 @@ pub fn fast_swing(capture: &Capture, seed: &mut Seed) -> Option<Planted> {
     let foot = capture.body.feet[landing.side as usize].ankle;
     let mut planted = capture.clone();
     for frame in start..=end {
-        let shown = (start + 2 * (frame - start)).min(end);
+        let shown = (start + (times * (frame - start) as f64).round() as usize).min(end);
         let shift = capture.at(shown)[foot] - capture.at(frame)[foot];
         move_foot(&mut planted, frame, landing.side, shift, Some(shown));
     }
-    Some(Planted { capture: planted, span: (start, end) })
+    Some(Planted { capture: planted, span: (start, end), side: Some(landing.side) })
 }
 
 /// The body above the feet stands aside for a second; the pelvis sinks where a leg would not reach.
@@ -143,7 +145,7 @@ pub fn moved_pelvis(capture: &Capture, metres: f64, seed: &mut Seed) -> Option<P
             move_foot(&mut planted, frame, side, ankles[side as usize] - ankle, None);
         }
     }
-    Some(Planted { capture: planted, span: (start, end) })
+    Some(Planted { capture: planted, span: (start, end), side: None })
 }
 
 /// The whole body over (or under) its ground for a second.
@@ -158,7 +160,7 @@ pub fn lifted(capture: &Capture, metres: f64, seed: &mut Seed) -> Option<Planted
             place.y += lift;
         }
     }
-    Some(Planted { capture: planted, span: (start, end) })
+    Some(Planted { capture: planted, span: (start, end), side: None })
 }
 
 /// A flight that plays at that share of its speed.
@@ -184,14 +186,14 @@ pub fn slow_flight(capture: &Capture, speed: f64, seed: &mut Seed) -> Option<Pla
         .chain((0..=length).map(|frame| start as f64 + frame as f64 / length as f64 * (end - start) as f64))
         .chain((end + 1..capture.frames()).map(|frame| frame as f64))
         .collect();
-    Some(Planted { capture: resampled(capture, &times), span: (start, start + length) })
+    Some(Planted { capture: resampled(capture, &times), span: (start, start + length), side: None })
 }
 
 /// The whole clip at that share of its speed.
 pub fn slow_clip(capture: &Capture, speed: f64) -> Planted {
     let frames = ((capture.frames() - 1) as f64 / speed).floor() as usize + 1;
     let times: Vec<f64> = (0..frames).map(|frame| (frame as f64 * speed).min((capture.frames() - 1) as f64)).collect();
-    Planted { capture: resampled(capture, &times), span: (0, frames - 1) }
+    Planted { capture: resampled(capture, &times), span: (0, frames - 1), side: None }
 }
 
 fn window(capture: &Capture, seconds: f64, seed: &mut Seed) -> Option<(usize, usize)> {

@@ -89,10 +89,8 @@ pub fn measured(data: &Path) -> Option<Compared> {
                 .push(nearest(at, own().filter(|contact| !contact.cut.0).map(|contact| contact.touch_down).collect()));
         }
         for at in crossings(side, false) {
-            lift_offs.push(nearest(
-                at,
-                own().filter(|contact| !contact.cut.1).map(|contact| contact.end as f64 + 0.5).collect(),
-            ));
+            lift_offs
+                .push(nearest(at, own().filter(|contact| !contact.cut.1).map(|contact| contact.lift_off).collect()));
         }
     }
     let end = (ENDS * hz).round() as usize;

@@ -33,7 +33,7 @@ fn walk_bytes() -> &'static [u8] {
 }
 
 /// A GLB with a shove and a walk.
-fn baked_bytes() -> &'static [u8] {
+pub fn baked_bytes() -> &'static [u8] {
     static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
     BYTES.get_or_init(|| {
         let rig = builtin();
@@ -46,7 +46,7 @@ fn baked_bytes() -> &'static [u8] {
     })
 }
 
-fn read(name: &str, bytes: &[u8]) -> ClipFile {
+pub fn read(name: &str, bytes: &[u8]) -> ClipFile {
     let alone = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
     mocap::read(name, bytes, &alone, None).expect("a clip file")
 }
@@ -59,16 +59,17 @@ fn walk() -> (ClipFile, Reading) {
 }
 
 /// The file with another motion in its clip: what the writer makes of it.
-fn file_with(file: &ClipFile, reading: &Reading, clip: usize, capture: &Capture) -> Vec<u8> {
+pub fn file_with(file: &ClipFile, reading: &Reading, clip: usize, capture: &Capture) -> Vec<u8> {
     let corrected = as_if(reading, capture);
     let source = locals::Source::of(file, clip, reading).expect("no FBX");
     let edits = locals::edits(reading, &source, &corrected);
-    let amended = Amended { animation: clip, start: reading.start, fps: reading.capture.fps, edits, speed: 1.0 };
+    let amended =
+        Amended { animation: clip, start: reading.start, fps: reading.capture.fps, edits, speed: 1.0, extras: None };
     amend(file.document().expect("glTF"), file.nodes().expect("glTF"), &[amended]).expect("writes")
 }
 
 /// A correction that makes that of a clip.
-fn as_if(reading: &Reading, capture: &Capture) -> Corrected {
+pub fn as_if(reading: &Reading, capture: &Capture) -> Corrected {
     let found = audit(capture, &AuditOptions::default());
     let old = &reading.capture;
     let all: Vec<usize> = (0..capture.body.joints.len()).collect();
@@ -208,8 +209,14 @@ fn a_glb_keeps_its_bytes_its_other_clips_and_every_key_outside() {
     let source = locals::Source::of(&spoiled_file, 1, &spoiled_reading).expect("a clip");
     let edits = locals::edits(&spoiled_reading, &source, &corrected);
     let document = spoiled_file.document().expect("glTF");
-    let clip =
-        Amended { animation: 1, start: spoiled_reading.start, fps: spoiled_reading.capture.fps, edits, speed: 1.0 };
+    let clip = Amended {
+        animation: 1,
+        start: spoiled_reading.start,
+        fps: spoiled_reading.capture.fps,
+        edits,
+        speed: 1.0,
+        extras: None,
+    };
     let bytes = amend(document, spoiled_file.nodes().expect("glTF"), &[clip]).expect("writes");
     let back_file = read("walk.glb", &bytes);
     let back = back_file.reading(1, &Options::default()).expect("a clip");
@@ -240,7 +247,8 @@ fn a_retimed_clip_keeps_its_keys_and_leaves_the_other_clip_alone() {
     let (file, reading) = walk();
     let document = file.document().expect("glTF");
     let fps = reading.capture.fps;
-    let twice = Amended { animation: 1, start: reading.start, fps, edits: locals::Edits::new(), speed: 2.0 };
+    let twice =
+        Amended { animation: 1, start: reading.start, fps, edits: locals::Edits::new(), speed: 2.0, extras: None };
     let bytes = amend(document, file.nodes().expect("glTF"), &[twice]).expect("writes");
     let back = read("walk.glb", &bytes);
     assert_eq!(back.document().expect("glTF").json["animations"][0], document.json["animations"][0]);

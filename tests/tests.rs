@@ -28,6 +28,8 @@ mod clip_ground;
 mod common;
 /// Corrections: planted faults that go, frames and files that stay.
 mod correct;
+/// What a corrected clip that was baked here tells of itself.
+mod correct_told;
 /// Baked files: the source kept whole, read again, by the Khronos validator, three.js.
 mod export;
 /// The same for rigs that nobody here made: slip, keys, the Khronos validator.
@@ -56,6 +58,12 @@ mod picture;
 mod ragdoll;
 /// The articulated body walking.
 mod ragdoll_walk;
+/// Clips on other bodies: directions, held feet, knees.
+mod retarget;
+/// `surefoot retarget` at the shell: files, words, what it refuses.
+mod retarget_cli;
+/// Clips x bodies and what came out, for the test and the bench.
+mod retarget_grid;
 /// Rigs made from others or from nothing: scales, axes, skins, naming conventions, lacking bones, overrides.
 mod rig_variants;
 /// What trunk, head and arms do of a push: delays, where it struck, mirror images, seeds, breath.

@@ -26,7 +26,7 @@ const ANSWER: f64 = 0.9;
 const PIECE: usize = 4096;
 /// s: of frames before and after.
 const MARGIN: f64 = 1.0;
-/// m and s: farther out for longer, nothing balances.
+/// m and s at a leg of 0.83 m: farther out for longer, nothing balances.
 const THROWN: (f64, f64) = (0.7, 0.16);
 /// m: what is out by as much beside such a span belongs to it.
 const BESIDE: f64 = 0.08;
@@ -104,9 +104,9 @@ fn piece(track: &Track, feet: &Footfalls, seen: Range<usize>, told: Range<usize>
 
 /// Spans in which the body is moved as no feet could, for longer than any slip of a hand: what is keyed for effect.
 pub fn thrown(track: &Track, balance: &[Option<Balance>]) -> Vec<(usize, usize)> {
-    let lasts = (THROWN.1 * track.capture.fps).round() as usize;
+    let lasts = (THROWN.1 * track.tempo() * track.capture.fps).round() as usize;
     let far = |frame: usize| balance[frame].is_some_and(|found| found.out > THROWN.0 * track.size());
-    super::spans(track.len(), far).into_iter().filter(|(start, end)| end - start >= lasts).collect()
+    super::spans(track.len(), far).into_iter().filter(|(start, end)| end - start + 1 >= lasts.max(2)).collect()
 }
 
 /// Every mark of the rule.

@@ -11,6 +11,8 @@ use glam::{DMat3, DVec2, DVec3};
 
 /// m/s at a leg of 0.83 m: a sole's stillest point slower than this is on the ground; faster than the second, it has left.
 const SPEED: (f64, f64) = (0.45, 0.9);
+/// m/s and s: a toe that pushes off is still loaded up to that speed, for no longer. Told as the lift-off; the rules keep to [`SPEED`].
+const PUSHES_OFF: (f64, f64) = (1.3, 0.06);
 /// m/s: feet slower than this tell where the floor is.
 const SLOW: f64 = 0.25;
 /// m: a still foot may be that far over the floor and bear: lifted clips, steps of a stair.
@@ -60,6 +62,8 @@ pub struct Contact {
     pub end: usize,
     /// Frames and a fraction: when it came down.
     pub touch_down: f64,
+    /// Frames and a fraction: when its toe left, some hundredths of a second after `end`, which is the last frame it surely stands.
+    pub lift_off: f64,
     /// m: the median height of its lowest point.
     pub height: f64,
     /// m, (x, z): where the foot stands: its place while it is flattest.
@@ -103,6 +107,11 @@ pub fn footfalls_on(track: &Track, told: Option<f64>) -> Footfalls {
     let mut contacts: Vec<Contact> =
         Side::BOTH.into_iter().flat_map(|side| contacts_of(track, side, floor[side as usize])).collect();
     contacts.sort_by_key(|contact| (contact.start, contact.side as usize));
+    for index in 0..contacts.len() {
+        let own = |other: &&Contact| other.side == contacts[index].side && other.start > contacts[index].end;
+        let next = contacts.iter().find(own).map_or(track.len(), |next| next.start);
+        contacts[index].lift_off = lift_off(track, &contacts[index], next);
+    }
     let (slope, rise) = if told.is_some() { (DVec2::ZERO, 0.0) } else { tilt(&contacts, &floor, track.size()) };
     floor = floor.map(|floor| floor + rise);
     let mut ground = Ground { floor, slope, uneven: false };
@@ -118,6 +127,13 @@ pub fn footfalls_on(track: &Track, told: Option<f64>) -> Footfalls {
     }
     steps.sort_by_key(|step| (contacts[step.to].start, step.side as usize));
     Footfalls { ground, contacts, steps, of }
+}
+
+impl Contact {
+    /// The last frame that is told of it.
+    pub fn last(&self) -> usize {
+        self.lift_off.floor().max(self.end as f64) as usize
+    }
 }
 
 impl Ground {
@@ -287,7 +303,22 @@ fn contact(track: &Track, side: Side, start: usize, end: usize, on: f64) -> Cont
     };
     let place = DVec2::new(median(&|place| place.x), median(&|place| place.y));
     let last = track.len() - 1;
-    Contact { side, start, end, touch_down, height: lows[lows.len() / 2], place, cut: (start == 0, end == last) }
+    let (height, cut) = (lows[lows.len() / 2], (start == 0, end == last));
+    Contact { side, start, end, touch_down, lift_off: end as f64, height, place, cut }
+}
+
+/// Frames and a fraction: when the stillest point of a foot that has left is too fast to push any more, before frame `next`.
+fn lift_off(track: &Track, contact: &Contact, next: usize) -> f64 {
+    let foot = &track.feet[contact.side as usize];
+    let tempo = track.tempo();
+    let (fast, longest) = (PUSHES_OFF.0 * tempo, PUSHES_OFF.1 * tempo * track.capture.fps);
+    let limit = (contact.end as f64 + longest).min(next.saturating_sub(1).max(contact.end) as f64);
+    let after = (contact.end + 1..track.len()).find(|frame| foot.still[*frame] >= fast);
+    let crossed = after.map_or(f64::MAX, |after| {
+        let (from, to) = (foot.still[after - 1], foot.still[after]);
+        (after - 1) as f64 + ((fast - from) / (to - from).max(1e-9)).clamp(0.0, 1.0)
+    });
+    crossed.clamp(contact.end as f64, limit)
 }
 
 /// The slope of the plane through the contacts, and its height at the origin over the level floor: least absolute errors, so that a span
@@ -362,6 +393,27 @@ mod tests {
                 assert!(found[0].place.distance(DVec2::new(place.x, place.z)) < 0.01, "{found:?} {place}");
             }
             assert!(!feet.ground.uneven);
+        }
+    }
+
+    #[test]
+    fn a_lift_off_follows_the_last_frame_that_stands_within_hundredths_of_a_second() {
+        for fps in [30.0, 120.0] {
+            let capture = walk(Gait { fps, ..Gait::default() });
+            let feet = footfalls(&Track::new(&capture));
+            let mut later = 0;
+            for (index, contact) in feet.contacts.iter().enumerate() {
+                let waits = (contact.lift_off - contact.end as f64) / fps;
+                assert!(
+                    (0.0..=PUSHES_OFF.1 + 1e-9).contains(&waits) && contact.last() < capture.frames(),
+                    "{contact:?}"
+                );
+                later += usize::from(waits > 0.0);
+                let next = feet.contacts[index + 1..].iter().find(|next| next.side == contact.side);
+                assert!(next.is_none_or(|next| contact.last() < next.start), "{contact:?}");
+                assert!(!contact.cut.1 || waits == 0.0, "{contact:?}");
+            }
+            assert!(later > 5, "{fps} fps: {later} of {}", feet.contacts.len());
         }
     }
 

@@ -38,6 +38,10 @@ pub enum Reason {
     Thrown,
     /// Fast limbs: a blow, a throw, a dance.
     Action,
+    /// Feet are far under what looks like the floor.
+    NoFloor,
+    /// The clip is over before anything shows.
+    Short,
 }
 
 impl Reason {
@@ -53,6 +57,10 @@ impl Reason {
                 "the body is thrown about as no feet could: keyed action, or something pushes that is not in the clip"
             }
             Reason::Action => "fast limbs: blows, throws and dance are balanced by more than feet",
+            Reason::NoFloor => {
+                "the feet agree on no floor: a piece of a jump or a climb, or a floor that is not in the clip"
+            }
+            Reason::Short => "the clip is too short to show a floor and a balance",
             Reason::Pose => "a pose that stands before the motion begins",
             Reason::Unsupported => "no foot bears: what carries the body is not seen",
         }
@@ -63,8 +71,16 @@ impl Reason {
 const BLOW: f64 = 5.0;
 /// s: and so much around it.
 const AROUND: f64 = 0.35;
+/// One frame in so many in which feet tell nothing takes the others of a span along.
+const MUTE: usize = 4;
 /// Cosine of a thigh against straight down: flatter on both sides, the body sits.
 const SEATED: f64 = 0.45;
+/// m at a leg of 0.83 m: feet are no deeper in a floor that is theirs.
+const DEEPEST: f64 = 0.12;
+/// Of the frames: where feet are deeper in more of them, nothing is known of the floor in any.
+const DEEP: f64 = 0.2;
+/// s, not the body's but the filters': a shorter clip is beginning and end alone.
+const SHORTEST: f64 = 0.6;
 /// m/s, and m/s: low feet that go as fast under a centre of mass that goes no faster, the clip through.
 const TREADMILL: (f64, f64) = (0.35, 0.12);
 
@@ -98,7 +114,7 @@ impl Domain {
         }
     }
 
-    /// Whether feet tell anything in most of a span: they do not under a body that sits, lies or walks in place.
+    /// Whether feet tell anything in nearly all of a span: they do not under a body that sits, lies or walks in place.
     pub fn stands_in(&self, start: usize, end: usize) -> bool {
         let mute = |reason: &&Option<Reason>| {
             matches!(
@@ -110,10 +126,12 @@ impl Domain {
                         | Reason::Pose
                         | Reason::Action
                         | Reason::Thrown
+                        | Reason::NoFloor
+                        | Reason::Short
                 )
             )
         };
-        2 * self.reasons[start..=end].iter().filter(mute).count() < end - start + 1
+        MUTE * self.reasons[start..=end].iter().filter(mute).count() < end - start + 1
     }
 
     /// Share of the frames in which it does.
@@ -174,8 +192,15 @@ pub fn domain(track: &Track, feet: &Footfalls) -> Domain {
     for (start, end) in held(track) {
         set(start, end, Reason::Hands);
     }
+    let deep = |frame: usize| !feet.ground.uneven && deepest(track, feet, frame) > DEEPEST * track.size();
+    if (0..frames).filter(|frame| deep(*frame)).count() as f64 > DEEP * frames as f64 {
+        reasons.fill(Some(Reason::NoFloor));
+    }
     if in_place(track) {
         reasons.fill(Some(Reason::InPlace));
+    }
+    if (frames as f64) < SHORTEST * hz {
+        reasons.fill(Some(Reason::Short));
     }
     let join = (JOIN * hz).round() as usize;
     let gaps = super::spans(frames, |frame| reasons[frame].is_none());
@@ -186,6 +211,15 @@ pub fn domain(track: &Track, feet: &Footfalls) -> Domain {
         }
     }
     Domain { reasons }
+}
+
+/// m: how far the deeper foot is under its floor.
+fn deepest(track: &Track, feet: &Footfalls, frame: usize) -> f64 {
+    let under = |side: Side| {
+        let foot = &track.feet[side as usize];
+        feet.ground.under(side, foot.place(frame)) - foot.low[frame]
+    };
+    under(Side::Left).max(under(Side::Right))
 }
 
 /// Spans in which a hand is still in the world while the body goes on.
@@ -291,6 +325,31 @@ mod tests {
         let domain = found(&capture);
         assert!(domain.reasons.iter().all(|reason| *reason == Some(Reason::InPlace)));
         assert!(domain.abstained()[0].why.contains("root"));
+    }
+
+    #[test]
+    fn feet_that_are_far_under_what_looks_like_the_floor_show_none_and_a_sunk_span_is_still_judged() {
+        for (depth, known) in [(-0.06, true), (-0.4, false)] {
+            let mut capture = stand(4.0);
+            let frames = capture.frames();
+            for frame in frames / 2..frames * 9 / 10 {
+                shift_all(&mut capture, frame, DVec3::Y * depth);
+            }
+            let domain = found(&capture);
+            assert_eq!(domain.reasons.iter().all(|reason| *reason == Some(Reason::NoFloor)), !known, "{depth}");
+            assert_eq!(domain.stands_in(0, frames - 1), known);
+        }
+    }
+
+    #[test]
+    fn a_clip_of_half_a_second_is_passed_over() {
+        let mut capture = walk(Gait::default());
+        let joints = capture.body.joints.len();
+        let keep = (0.5 * capture.fps) as usize * joints;
+        capture.positions.truncate(keep);
+        capture.turns.truncate(keep);
+        let domain = found(&capture);
+        assert!(domain.reasons.iter().all(|reason| *reason == Some(Reason::Short)), "{:?}", domain.abstained());
     }
 
     #[test]

@@ -8,10 +8,11 @@ pub mod balance;
 pub mod contacts;
 pub mod domain;
 #[cfg(test)]
-mod fixture;
+pub(crate) mod fixture;
 pub mod flight;
 pub mod placement;
 pub mod sole;
+pub mod stages;
 pub mod timing;
 pub mod track;
 mod verdict;
@@ -21,8 +22,7 @@ pub use verdict::{foot_name, part};
 
 use crate::model::findings::{Findings, Flag, Rule};
 use crate::model::{Capture, Side};
-use contacts::footfalls_on;
-use track::Track;
+use stages::{Stages, with_stages};
 
 /// What a person may set.
 #[derive(Clone, Debug, Default)]
@@ -36,42 +36,29 @@ pub struct AuditOptions {
 /// Judges a clip.
 pub fn audit(capture: &Capture, options: &AuditOptions) -> Findings {
     let mut findings = verdict::empty(capture);
-    if capture.frames() == 0 {
-        return findings;
-    }
-    let (held, posed) = track::without_pose(capture);
-    let track = Track::new(held.as_ref().unwrap_or(capture));
-    let feet = footfalls_on(&track, options.floor);
-    let mut domain = domain::domain(&track, &feet);
-    domain.begin_after(posed);
-    let balance = balance::balance(&track, &feet);
-    for (start, end) in balance::thrown(&track, &balance) {
-        let around = (0.3 * capture.fps) as usize;
-        domain.add(start.saturating_sub(around), (end + around).min(track.len() - 1), domain::Reason::Thrown);
-    }
-    let taken: Vec<_> = placement::taken(&track, &feet)
-        .into_iter()
-        .filter(|taken| domain.walks_in(feet.contacts[taken.step.from].end, feet.contacts[taken.step.to].start))
-        .collect();
-    let judged = placement::judge(&track, &taken);
-    let mut marks = placement::marks(&feet, &judged);
-    marks.extend(sole::marks(&track, &feet).into_iter().filter(|mark| match mark.rule {
+    with_stages(capture, options.floor, |stages| judge(stages, options, &mut findings));
+    findings
+}
+
+fn judge(stages: &Stages, options: &AuditOptions, findings: &mut Findings) {
+    let Stages { track, feet, domain, balance, judged } = stages;
+    let mut marks = placement::marks(feet, judged);
+    marks.extend(sole::marks(track, feet).into_iter().filter(|mark| match mark.rule {
         Rule::Float => domain.walks_in(mark.start, mark.end),
         _ => domain.stands_in(mark.start, mark.end),
     }));
-    marks.extend(balance::marks(&track, &balance, &domain));
-    marks.extend(balance::unanswered(&track, &feet, &domain));
-    marks.extend(flight::marks(&track, &feet).into_iter().filter(|mark| domain.stands_in(mark.start, mark.end)));
+    marks.extend(balance::marks(track, balance, domain));
+    marks.extend(balance::unanswered(track, feet, domain));
+    marks.extend(flight::marks(track, feet).into_iter().filter(|mark| domain.stands_in(mark.start, mark.end)));
     marks.retain(|mark| !options.without.contains(&mark.rule));
     marks.sort_by_key(|mark| (mark.start, mark.end, mark.rule));
     findings.flags = marks.iter().map(Mark::flag).collect();
-    let clock = timing::clock(&track, &feet, &domain, taken.len());
+    let clock = timing::clock(track, feet, domain, judged.len());
     findings.clip_flags.extend(clock.and_then(timing::mark).filter(|_| !options.without.contains(&Rule::Timing)));
-    findings.steps = judged.iter().map(|judged| verdict::step(&feet, judged)).collect();
-    findings.contacts = verdict::contacts(&track, &feet);
+    findings.steps = judged.iter().map(|judged| verdict::step(feet, judged)).collect();
+    findings.contacts = verdict::contacts(track, feet);
     findings.abstained = domain.abstained();
-    findings.confidence *= verdict::trust(&feet, &domain);
-    findings
+    findings.confidence *= verdict::trust(feet, domain);
 }
 
 /// A flag in the making.

@@ -135,10 +135,14 @@ fn heights(track: &Track, feet: &Footfalls) -> Vec<Mark> {
             let bears = feet.of[side as usize][frame].is_some();
             let foot = &track.feet[side as usize];
             let height = foot.low[frame] - feet.under(side, frame, foot.place(frame));
-            let [heel, _, tip] = foot.points[frame];
+            let [heel, ball, tip] = foot.points[frame];
             // The point of a steep foot is where its bones are thought to end.
             let guess = STEEP * ((tip.y - heel.y).abs() - LEVEL * track.size()).max(0.0);
-            if bears || rule == Rule::Penetration { sign * height - guess } else { f64::MIN }
+            // On a foot that tips forward the toes bend: it is no deeper than its ball.
+            let tips = rule == Rule::Penetration && heel.y - tip.y > LEVEL * track.size();
+            let ball = feet.under(side, frame, foot.place(frame)) - ball.y;
+            let off = if tips { (-height - guess).min(ball) } else { sign * height - guess };
+            if bears || rule == Rule::Penetration { off } else { f64::MIN }
         };
         // Only what bears can hover, and only if nothing holds the body up meanwhile.
         let worst = |frame: usize| match rule {

@@ -24,6 +24,9 @@ const WALKED: f64 = 0.5;
 /// Frames in single support and steps that tell a rate.
 const LEAST: (usize, usize) = (20, 4);
 
+/// s: a told push shows in the filtered motion for as long before it and after it; meanwhile the pendulum is not alone.
+const PUSHED: f64 = 0.1;
+
 /// Measured over expected ω².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
@@ -40,7 +43,9 @@ pub fn clock(track: &Track, feet: &Footfalls, domain: &Domain, steps: usize) -> 
     for frame in 0..track.len() {
         let [left, right] = Side::BOTH.map(|side| feet.of[side as usize][frame]);
         let stance = match (left, right) {
-            (Some(contact), None) | (None, Some(contact)) if domain.walks(frame) => &feet.contacts[contact],
+            (Some(contact), None) | (None, Some(contact)) if domain.walks(frame) && !is_pushed(track, frame) => {
+                &feet.contacts[contact]
+            }
             _ => continue,
         };
         let flat = |vector: glam::DVec3| DVec2::new(vector.x, vector.z);
@@ -64,6 +69,12 @@ pub fn clock(track: &Track, feet: &Footfalls, domain: &Domain, steps: usize) -> 
     let expected = expected / frames as f64;
     let slope = |sums: [f64; 2]| sums[1] / sums[0].max(1e-9) / expected;
     Some(Clock { across: slope(sums[0]), along: slope(sums[1]) })
+}
+
+/// Whether something that the clip tells of pushes the body.
+fn is_pushed(track: &Track, frame: usize) -> bool {
+    let time = frame as f64 / track.capture.fps;
+    track.capture.pushes.iter().any(|push| (push.start - PUSHED..=push.end + PUSHED).contains(&time))
 }
 
 /// The mark of the rule.
@@ -93,12 +104,26 @@ mod tests {
     use crate::audit::domain::domain;
     use crate::audit::fixture::{Gait, at_speed, resized, stand, walk};
     use crate::model::Capture;
+    use glam::DVec3;
 
     fn found(capture: &Capture) -> Option<Clock> {
         let track = Track::new(capture);
         let feet = footfalls(&track);
         let domain = domain(&track, &feet);
         clock(&track, &feet, &domain, feet.steps.len())
+    }
+
+    #[test]
+    fn frames_in_which_a_told_push_acts_wind_no_clock() {
+        let mut capture = walk(Gait::default());
+        let free = found(&capture).expect("it walks");
+        let push =
+            |start: f64, end: f64| crate::model::capture::ToldPush { start, end, force: DVec3::X * 80.0, joint: None };
+        capture.pushes = vec![push(1.0, 1.4)];
+        let pushed = found(&capture).expect("it walks");
+        assert!(pushed != free && (pushed.across - free.across).abs() < 0.2, "{pushed:?} {free:?}");
+        capture.pushes = vec![push(0.0, 1e3)];
+        assert_eq!(found(&capture), None);
     }
 
     #[test]

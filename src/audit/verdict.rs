@@ -43,7 +43,7 @@ pub fn step(feet: &Footfalls, judged: &Judged) -> StepVerdict {
     StepVerdict {
         foot: foot_name(step.side),
         touch_down: landing.start,
-        lift_off: feet.contacts[step.from].end,
+        lift_off: feet.contacts[step.from].last(),
         predicted: judged.predicted.to_array(),
         actual: landing.place.to_array(),
         error_m: judged.error.length(),
@@ -58,7 +58,8 @@ pub fn step(feet: &Footfalls, judged: &Judged) -> StepVerdict {
 pub fn contacts(track: &Track, feet: &Footfalls) -> Vec<FootContact> {
     let mut told: Vec<FootContact> = Vec::new();
     for contact in &feet.contacts {
-        let parts: Vec<&'static str> = (contact.start..=contact.end).map(|frame| part(track, contact, frame)).collect();
+        let parts: Vec<&'static str> =
+            (contact.start..=contact.last()).map(|frame| part(track, contact, frame)).collect();
         let mut from = 0;
         for at in 1..=parts.len() {
             if at == parts.len() || parts[at] != parts[from] {
@@ -131,7 +132,7 @@ mod tests {
         let feet = footfalls(&track);
         let told = contacts(&track, &feet);
         let frames = |list: &[(usize, usize)]| list.iter().map(|(start, end)| end - start + 1).sum::<usize>();
-        let all: Vec<(usize, usize)> = feet.contacts.iter().map(|contact| (contact.start, contact.end)).collect();
+        let all: Vec<(usize, usize)> = feet.contacts.iter().map(|contact| (contact.start, contact.last())).collect();
         let parts: Vec<(usize, usize)> = told.iter().map(|contact| (contact.start, contact.end)).collect();
         assert_eq!(frames(&all), frames(&parts));
         assert!(told.windows(2).all(|pair| pair[0].start <= pair[1].start));

@@ -5,10 +5,10 @@
 //! the air that same pivot flies from plant to plant: so nothing slides, and position and speed are continuous at lift.
 //! Pitch is positive with the heel up. Where a rig has no toes the foot turns about the tip of its sole.
 
-use super::base::FootOffset;
 use super::clearance::{self, Raise};
 use super::contacts::FootContact;
-use super::swing::Swing;
+use super::feet_based::Based;
+use super::swing::{Extra, Swing};
 use crate::maths::curve::{bump, sample, smooth3, trapezoid};
 use crate::maths::quat::wrap_angle;
 use crate::model::scenario::GroundKind;
@@ -47,17 +47,17 @@ const EDGE_ROLL: f64 = 3.0 * std::f64::consts::PI / 180.0;
 /// Both feet over a whole run.
 #[derive(Clone, Debug)]
 pub struct FootCurves {
-    feet: [FootPath; 2],
-    terrain: Terrain,
-    base: Option<[(FootOffset, bool); 2]>, // how they stand in the base clip, and whether on the ball
+    pub(super) feet: [FootPath; 2],
+    pub(super) terrain: Terrain,
+    pub(super) base: Based,
 }
 
 /// One foot.
 #[derive(Clone, Debug)]
-struct FootPath {
+pub(super) struct FootPath {
     start: Plant,
     still_until: f64, // s, no heel comes up before
-    swings: Vec<Swing>,
+    pub(super) swings: Vec<Swing>,
     level: DQuat,              // turn from rest that levels the sole, pointing along rest_yaw
     toe_level: DQuat,          // the same for the toes
     rest_yaw: f64,             // rad
@@ -67,20 +67,6 @@ struct FootPath {
     ankle_height: f64,         // m
     has_toe: bool,
     extra: Extra,
-}
-
-/// What the ankle's range asks of a foot beside its curve: series of pitch and of roll (about the foot's length), rad.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Extra {
-    pub(super) dt: f64,
-    pub(super) turns: [Vec<f64>; 2],
-}
-
-impl Extra {
-    /// Pitch and roll at a time.
-    pub(super) fn at(&self, time: f64) -> [f64; 2] {
-        if self.dt <= 0.0 { [0.0; 2] } else { [0, 1].map(|axis| sample(&self.turns[axis], self.dt, time)) }
-    }
 }
 
 impl FootCurves {
@@ -96,32 +82,18 @@ impl FootCurves {
         terrain: &Terrain,
     ) -> FootCurves {
         let feet = Side::BOTH.map(|side| FootPath::new(body, physique, side, start, steps, still_until, scale));
-        let mut curves = FootCurves { feet, terrain: terrain.clone(), base: None };
+        let mut curves = FootCurves { feet, terrain: terrain.clone(), base: Based::Not };
         curves.clear_the_ground();
         curves
-    }
-
-    /// The same, standing at first and at last as in a base clip; with each foot, whether it does so on its ball.
-    pub fn over(self, base: [(FootOffset, bool); 2]) -> FootCurves {
-        FootCurves { base: Some(base), ..self }
-    }
-
-    /// How much a foot stands as in the base clip, 0..1: before its first step and after its last.
-    fn as_in_base(&self, side: Side, time: f64) -> f64 {
-        let swings = &self.feet[side as usize].swings;
-        let (Some(first), Some(last)) = (swings.first(), swings.last()) else { return 1.0 };
-        if swings.len() == 1 {
-            return 1.0;
-        }
-        let left = 1.0 - smooth3(first.along(time));
-        left.max(smooth3(last.along(time)))
     }
 
     /// Where a foot is.
     pub fn at(&self, side: Side, time: f64) -> FootTarget {
         let mut target = self.feet[side as usize].at(time, &self.terrain);
-        if let Some(base) = &self.base {
-            target = base[side as usize].0.on(&target, self.as_in_base(side, time));
+        match &self.base {
+            Based::Not => {}
+            Based::Stand(base) => target = base[side as usize].0.on(&target, self.as_in_base(side, time)),
+            Based::Walk(walked) => target = walked.foot(side, time, &target),
         }
         if !self.terrain.moves() {
             return target;
@@ -170,6 +142,9 @@ impl FootCurves {
 
     /// How free a foot is to leave its curve: 0 planted, 1 in mid-swing.
     pub fn freedom(&self, side: Side, time: f64) -> f64 {
+        if self.is_clips(side, time) {
+            return 0.0;
+        }
         let path = &self.feet[side as usize];
         path.swings
             .iter()
@@ -257,6 +232,7 @@ impl FootCurves {
             }
         }
         self.clear_the_ground();
+        self.join(body);
     }
 
     /// All contacts up to `end`, in order of start, left before right.
@@ -265,7 +241,11 @@ impl FootCurves {
         for side in Side::BOTH {
             let from = contacts.len();
             self.feet[side as usize].contacts(side, end, &mut contacts);
-            if self.base.is_some_and(|base| base[side as usize].1) {
+            if let Based::Walk(walked) = &self.base {
+                let own: Vec<FootContact> = contacts.drain(from..).collect();
+                contacts.extend(walked.contacts(side, &own, end));
+            }
+            if matches!(&self.base, Based::Stand(base) if base[side as usize].1) {
                 for contact in &mut contacts[from..] {
                     let middle = 0.5 * (contact.start + contact.end);
                     if contact.part == Part::Flat && self.as_in_base(side, middle) == 1.0 {
@@ -351,7 +331,7 @@ impl FootPath {
     }
 
     /// In the ground's frame.
-    fn at(&self, time: f64, terrain: &Terrain) -> FootTarget {
+    pub(super) fn at(&self, time: f64, terrain: &Terrain) -> FootTarget {
         let flat = |plant: &Plant| {
             let turn = turned(plant, 0.0);
             self.pose(self.flat_ankle(plant), plant.yaw, turn, turn)

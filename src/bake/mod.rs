@@ -12,6 +12,7 @@ pub mod carried;
 mod clearance;
 pub mod contacts;
 pub mod feet;
+mod feet_based;
 pub mod footing;
 pub mod keys;
 mod knees;
@@ -21,6 +22,7 @@ pub mod props;
 pub mod ragdoll;
 mod reach;
 mod report;
+pub mod retargeted;
 pub mod root_motion;
 mod swing;
 pub mod throws;
@@ -140,8 +142,8 @@ fn bake_by(rig: &Rig, scenario: &Scenario, options: &BakeOptions, drive: Drive) 
         keys::keyed_clip_on(&input, &|time| timeline.terrain.turn(time), &height)
     };
     let mut clip = keyed(options.root);
-    if let Some(stood) = &performance.timeline.stood {
-        base::add(&mut clip, rig, &stood.base);
+    if let Some(over) = &performance.timeline.over {
+        base::add(&mut clip, rig, over.base());
     }
     // Feet of a clip without its travel slide by design: what can be measured is the same motion keyed with it.
     let travelling = (options.root == RootMotion::InPlace).then(|| keyed(RootMotion::Root));

@@ -3,7 +3,7 @@
 //! stepper run -> foot curves and upper-body springs -> poses -> reach envelope and balance filter, a few times over.
 //! Scenario space, SI. What comes out is a [`Timeline`] that gives the pose at any time; keys are made elsewhere.
 
-use super::base::{self, Base, Stood};
+use super::base::{Base, Over};
 use super::carried::{self, Carried};
 use super::contacts::{self, FootContact};
 use super::ragdoll::{self, Drive};
@@ -33,6 +33,8 @@ const PASSES: usize = 16;
 const EASE_PASSES: usize = 10;
 /// Passes until which recoveries take more care of sudden legs; walks do until the last but one.
 const CARE_PASSES: usize = 8;
+/// s, in which a walk that is a base clip's is left at first and come back to at last.
+const ENDS: f64 = 0.4;
 /// Damping of the first passes and of the last.
 const DAMPING: [f64; 2] = [0.002, 0.012];
 /// Passes in which the feet still adapt their roll to the ankles.
@@ -80,9 +82,9 @@ pub fn perform_over(
     base: Option<&Arc<Base>>,
 ) -> Result<Performance, BakeError> {
     let anatomy = Anatomy::new(body);
-    let stood = base.map(|base| Stood::new(base.clone(), body, &anatomy)).transpose()?;
+    let mut over = base.map(|base| Over::new(base, body, &anatomy, scenario)).transpose()?;
     let physique = stand::physique(body, &anatomy);
-    let physique = stood.as_ref().map_or(physique, |stood| stood.physique(&physique));
+    let physique = if let Some(Over::Stand(stood)) = &over { stood.physique(&physique) } else { physique };
     let (carried, loads) = carried::carried(body, &anatomy, scenario);
     let options = SimulateOptions {
         duration: scenario.duration,
@@ -91,9 +93,18 @@ pub fn perform_over(
     };
     let most = ((options.duration + options.extra) / options.dt).ceil() as usize + 2;
     let physiques = carried::physiques(body, &anatomy, (&carried, &loads), options.dt, most);
-    let script = Script { physiques, ..Script::of(scenario, Vec::new()) };
+    let mut script = Script { physiques, ..Script::of(scenario, Vec::new()) };
     let mut pushes = known_pushes(body, scenario);
-    let mut trace = run(body, &anatomy, &physique, &script, &options, &pushes);
+    let mut trace = match &over {
+        Some(Over::Walk(walked)) => {
+            script.walk = vec![walked.lane()];
+            let from = pushes.iter().map(|(push, _)| push.start).fold(scenario.duration, f64::min);
+            walked.walk_on(from, &options, &pushes, &|options, pushes| {
+                run(body, &anatomy, &physique, &script, options, pushes)
+            })
+        }
+        _ => run(body, &anatomy, &physique, &script, &options, &pushes),
+    };
     let mut balls = Vec::new();
     let tosses = throws::tosses(scenario, seed);
     for toss in tosses.iter().filter(|_| drive == Drive::Stepper) {
@@ -152,7 +163,10 @@ pub fn perform_over(
     let ticks = &trace.ticks[..count];
     let terrain = Terrain::new(&scenario.ground);
     let taken_up = carried.iter().filter_map(Carried::begins).fold(f64::INFINITY, f64::min);
-    let still_until = still_until(scenario, &pushes, taken_up);
+    let still_until = match &over {
+        Some(Over::Walk(_)) => pushes.iter().map(|push| push.start).fold(scenario.duration, f64::min),
+        _ => still_until(scenario, &pushes, taken_up),
+    };
     // What the end cuts off is flown as far as it goes; who falls does not land.
     let aloft = trace.aloft.filter(|_| trace.lost.is_none());
     let steps: Vec<Step> = trace.steps.iter().copied().chain(aloft).collect();
@@ -164,9 +178,18 @@ pub fn perform_over(
     };
     let (start, mut steps) = footing::grounded(body, &terrain, &trace.start, &steps);
     let facing = ticks.last().map_or(0.0, |tick| tick.facing);
-    let home = trace.lost.is_none()
-        && trace.aloft.is_none()
-        && stood.as_ref().is_some_and(|stood| stood.come_home(&start, &mut steps, facing, body));
+    let busy = pushes.iter().map(|push| push.end).fold(0.0, f64::max);
+    let end = (count - 1) as f64 * trace.dt;
+    let home = match &mut over {
+        Some(Over::Stand(stood)) if trace.lost.is_none() && trace.aloft.is_none() => {
+            stood.come_home(&start, &mut steps, facing, body)
+        }
+        Some(Over::Walk(walked)) => {
+            walked.plan(&mut steps, (still_until, busy, end), body);
+            true
+        }
+        _ => false,
+    };
     let bases = footing::bases(body, &terrain, &start, &steps, trace.dt, count);
     let height = |index: usize| {
         let standing = script.physiques.get(index).unwrap_or(&physique).com_height;
@@ -179,25 +202,21 @@ pub fn perform_over(
         .map(|(index, tick)| DVec3::new(tick.com.x, if real { tick.com.y } else { height(index) }, tick.com.z));
     let mut com: Vec<DVec3> = path.collect();
     let blows = Blow::of(body, &anatomy, &physique, &pushes);
-    let mut upper = upper_body(ticks, trace.dt, (&physique, &script.physiques), &blows, seed, scenario);
-    let left = left_over(&steps, &pushes, trace.dt, count);
-    if let Some(stood) = &stood {
-        let ends = stood.rests(&start, &steps, facing);
-        let off = if home { ends - com[count - 1] } else { DVec3::ZERO };
-        for (index, com) in com.iter_mut().enumerate() {
-            *com += stood.sway(index as f64 * trace.dt) + off * DVec3::new(1.0, 0.0, 1.0) * (1.0 - left[index]);
-        }
-        if home {
-            for (angles, left) in upper.iter_mut().zip(&left) {
-                angles.iter_mut().enumerate().filter(|(entry, _)| *entry != 6).for_each(|(_, angle)| *angle *= left);
-            }
-        }
+    let walks = matches!(over, Some(Over::Walk(_)));
+    let mut upper = upper_body(ticks, trace.dt, (&physique, &script.physiques), &blows, (seed, walks), scenario);
+    let landed = steps.iter().map(|step| step.land).fold(busy, f64::max);
+    let left: Vec<f64> = (0..count)
+        .map(|index| over.as_ref().filter(|_| home).map_or(1.0, |over| over.left(index as f64 * trace.dt, landed, end)))
+        .collect();
+    if let Some(over) = &over {
+        over.lay(&mut com, &mut upper, &left, trace.dt, (&start, &steps, facing));
     }
+    let curves = feet::FootCurves::new(body, &physique, &start, &steps, still_until, scale, &terrain);
     let mut timeline = Timeline {
         body: body.clone(),
         anatomy,
         dt: trace.dt,
-        still_until,
+        still_until: if walks { 0.0 } else { still_until },
         surprises: pushes.iter().map(|push| push.start).collect(),
         com,
         shift: vec![DVec3::ZERO; count],
@@ -207,12 +226,12 @@ pub fn perform_over(
         pelvis: [Vec::new(), Vec::new()],
         upper,
         drawn: articulated.as_ref().map_or(Vec::new(), |run| run.run.upper[..count].to_vec()),
-        feet: match &stood {
-            Some(stood) => feet::FootCurves::new(body, &physique, &start, &steps, still_until, scale, &terrain)
-                .over(stood.feet_and_balls()),
-            None => feet::FootCurves::new(body, &physique, &start, &steps, still_until, scale, &terrain),
+        feet: match &over {
+            Some(Over::Stand(stood)) => curves.over(stood.feet_and_balls()),
+            Some(Over::Walk(walked)) => curves.over_walk(body, walked.clone()),
+            None => curves,
         },
-        stood,
+        over,
         fallen: Vec::new(),
         terrain,
         carried,
@@ -248,8 +267,10 @@ pub fn perform_over(
     // The swinging legs' mass moves the hips: the bends stay, so that this lowering is the one that they need.
     reach::lower_into_reach(&mut timeline, &solved, scale, &care, damping(PASSES));
     if home {
-        for (lowering, left) in timeline.lowering.iter_mut().zip(&left) {
-            *lowering *= left;
+        // Both ends are the base clip's.
+        for (index, lowering) in timeline.lowering.iter_mut().enumerate() {
+            let time = index as f64 * timeline.dt;
+            *lowering *= if walks { smooth3(time / ENDS) * smooth3((end - time) / ENDS) } else { left[index] };
         }
     }
     let mut lost = trace.lost;
@@ -269,13 +290,6 @@ pub fn perform_over(
     }
     let contacts = timeline.feet.contacts(timeline.stands());
     Ok(Performance { timeline, trace, lost, contacts, pushes, balls, physique, zmp_before_pass, articulated })
-}
-
-/// How much of the reaction is left at each entry, on its way back to the base clip.
-fn left_over(steps: &[Step], pushes: &[KnownPush], dt: f64, count: usize) -> Vec<f64> {
-    let busy = steps.iter().map(|step| step.land).chain(pushes.iter().map(|push| push.end)).fold(0.0, f64::max);
-    let end = (count - 1) as f64 * dt;
-    (0..count).map(|index| base::stand::left_over(index as f64 * dt, busy, end)).collect()
 }
 
 /// How much the lowering holds on to the last pass's: little while it finds its place, more as it settles.
@@ -418,7 +432,7 @@ fn upper_body(
     dt: f64,
     (physique, loaded): (&Physique, &[Physique]),
     blows: &[Blow],
-    seed: u64,
+    (seed, over_a_walk): (u64, bool),
     scenario: &Scenario,
 ) -> Vec<UpperAngles> {
     let mut draw = Seed::new(seed);
@@ -433,6 +447,9 @@ fn upper_body(
     };
     let unhurried = style(&scenario.character).unhurried();
     let mut reaction = Reaction::new(physique, personality, scenario.character.style.arms).unhurried(unhurried);
+    if over_a_walk {
+        reaction = reaction.over_a_walk();
+    }
     let sway = {
         let aside = blows.iter().flat_map(|blow| [blow.force.x, blow.beside.x]).find(|aside| aside.abs() > 1e-6);
         let side = aside.map_or(1.0, f64::signum);

@@ -4,6 +4,7 @@
 //! future counts), above what each moment needs, and none before the first disturbance, which nobody saw coming. Metres,
 //! seconds.
 
+use super::base::Over;
 use super::care::Care;
 use super::timeline::Timeline;
 use crate::maths::banded::BandedLeastSquares;
@@ -28,6 +29,10 @@ const HOLDS_ON: f64 = 0.05;
 const STEEPEST: f64 = 0.15;
 /// s.
 const LANDING: f64 = 0.2;
+/// s, after the first disturbance, in which a base clip's legs bend as far as a planted one should.
+const UNBENDS: f64 = 0.5;
+/// Part of the leg by which a base clip is lowered for its feet to be reached at most; a reaction over one may need more of its own.
+const MOST_SUNK: f64 = 0.3;
 /// s, time in which a sinking that nothing holds comes up again (for a centre of mass at 0.96 m).
 const RISE: f64 = 0.11;
 /// Part of the leg that a walker's centre of mass travels up and down at most.
@@ -97,8 +102,10 @@ fn planted_knees(timeline: &Timeline, solved: &[Solved], care: &Care) -> Vec<Kne
                 / length;
             0.9 * down * length / (leg.thigh_length * leg.shank_length * bend.sin().max(STEEPEST))
         };
-        let free: Vec<bool> =
-            (0..solved.len()).map(|index| timeline.feet.freedom(side, index as f64 * timeline.dt) > 0.0).collect();
+        let free: Vec<bool> = (0..solved.len())
+            .map(|index| index as f64 * timeline.dt)
+            .map(|time| timeline.feet.freedom(side, time) > 0.0 || timeline.feet.flies_as_clip(side, time))
+            .collect();
         for at in 0..solved.len().saturating_sub(2) {
             if free[at..at + 3].contains(&true) {
                 continue;
@@ -140,27 +147,37 @@ fn eased(need: &[f64], timeline: &Timeline) -> Vec<f64> {
             let near = &need[index.saturating_sub(around)..(index + around + 1).min(need.len())];
             let deepest = near.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             let rise = need[index].min(0.0);
-            rise + ((deepest - travel).max(rise) - rise) * timeline.walking[index]
+            rise + ((deepest - travel).max(rise) - rise) * walking(timeline, index)
         })
         .collect()
+}
+
+/// How much an entry is a walk of the stepper's own: over a base clip that walks, the clip rises and sinks by itself.
+fn walking(timeline: &Timeline, index: usize) -> f64 {
+    let own = match &timeline.over {
+        Some(Over::Walk(walked)) => walked.own(index as f64 * timeline.dt),
+        _ => 1.0,
+    };
+    timeline.walking[index] * own
 }
 
 /// m, lowering that the planted feet ask for at one entry, counted from no lowering at all.
 fn need_at(timeline: &Timeline, index: usize, pose: &Solved) -> f64 {
     let time = index as f64 * timeline.dt;
-    let walking = timeline.walking[index];
+    let walking = walking(timeline, index);
     let mut need: f64 = -RISES * walking * timeline.anatomy.legs[0].length();
     for side in Side::BOTH {
         let freedom = timeline.feet.freedom(side, time);
-        if freedom > 0.5 {
+        if freedom > 0.5 || timeline.feet.flies_as_clip(side, time) {
             continue;
         }
         let leg = timeline.anatomy.legs[side as usize].length();
         let landed = 1.0 - smooth3(timeline.feet.since_landing(side, time) / LANDING);
         // An articulated body bends the knees that it lands on itself.
         let bend = if timeline.drawn.is_empty() { LANDING_BEND + (WALKING_BEND - LANDING_BEND) * walking } else { 0.0 };
-        // A base clip may stand on straighter legs.
-        let straightest = timeline.stood.as_ref().map_or(0.0, |stood| stood.reach[side as usize] + 1e-4);
+        // A base clip may stand on straighter legs; nothing is asked of it before it is disturbed.
+        let calm = 1.0 - smooth3((time - timeline.still_until) / UNBENDS);
+        let straightest = timeline.over.as_ref().map_or(0.0, |over| over.reach(side) + 1e-4 + 0.02 * calm);
         let reach = leg * (PLANTED_REACH.max(straightest) - bend * landed + 0.05 * freedom);
         let hip = pose.hips[side as usize];
         let ankle = timeline.feet.at(side, time).ankle;
@@ -169,7 +186,8 @@ fn need_at(timeline: &Timeline, index: usize, pose: &Solved) -> f64 {
         // Sinking by one centimetre lowers the hip by a little less: the folding legs carry mass.
         need = need.max(timeline.lowering[index] + (hip.y - highest) * 1.12);
     }
-    need
+    // A base clip whose legs are too short for where its feet are held is not made to kneel.
+    if timeline.over.is_some() { need.min(MOST_SUNK * timeline.anatomy.legs[0].length()) } else { need }
 }
 
 /// The lowering of least acceleration over `need` (m a sample), drawn to `ease`, beginning as it is `done`, constant up to sample `first` (zero on level feet), rising again within `rise` s.

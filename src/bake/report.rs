@@ -10,7 +10,9 @@ use super::ragdoll::{self, Driven};
 use super::root_motion::RootMotion;
 use crate::maths::pendulum::GRAVITY;
 use crate::measure::{Findings, Frame, KnownPush, Motion, PushPoint, Setting, measure_in};
-use crate::model::report::{Assist, BaseReport, BodyReport, Contact, Disturbance, Event, JointTorque, Outcome, Plausibility};
+use crate::model::report::{
+    Assist, BaseReport, BodyReport, Contact, Disturbance, Event, JointTorque, Outcome, Plausibility,
+};
 use crate::model::scenario::{GroundKind, Scenario};
 use crate::model::{Body, BodyPose, Clip, ClipReport, Role, Side};
 use crate::ragdoll::control::MOST_TORQUE;
@@ -63,12 +65,11 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
         let lost = performance.timeline.stands();
         plausibility.notes.push(format!("measured until balance is lost at {lost:.2} s"));
     }
-    let base = performance.timeline.stood.as_ref().zip(poses.first().zip(poses.last())).map(|(stood, ends)| {
-        let clip = &stood.base;
-        let (first_deg, first_mm) = base::error(body, ends.0, &clip.at(0.0).pose);
+    let base = performance.timeline.over.as_ref().zip(poses.first().zip(poses.last())).map(|(over, ends)| {
+        let (first_deg, first_mm) = base::error(body, ends.0, &over.frame(0.0).pose);
         let end = (poses.len() - 1) as f64 / hz;
-        let (last_deg, last_mm) = base::error(body, ends.1, &clip.at(end).pose);
-        BaseReport { clip: clip.name.clone(), first_deg, first_mm, last_deg, last_mm }
+        let (last_deg, last_mm) = base::error(body, ends.1, &over.frame(end).pose);
+        BaseReport { clip: over.base().name.clone(), first_deg, first_mm, last_deg, last_mm }
     });
     let footless = footless(body, findings.as_ref());
     plausibility.notes.extend(footless.clone());
@@ -115,7 +116,7 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
         base,
     };
     let mut warnings = warnings(input, outcome, fallen);
-    warnings.extend(performance.timeline.stood.iter().flat_map(|stood| stood.notes.clone()));
+    warnings.extend(performance.timeline.over.iter().flat_map(|over| over.notes().to_vec()));
     warnings.extend(footless);
     warnings.extend(strayed);
     (report, findings, warnings)

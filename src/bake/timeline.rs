@@ -3,8 +3,8 @@
 //! Series stand on the session's ticks (10 ms) and are read between them by cubics; feet are exact. Scenario space, SI.
 //! The passes of `reach` and `balance` change `shift` and `lowering` only: what the stepper said stays beside them.
 
+use super::base::Over;
 use super::carried::{self, Carried};
-use super::base::Stood;
 use super::feet::FootCurves;
 use crate::maths::curve::{sample, smooth3};
 use crate::maths::quat::rotation_vector;
@@ -54,7 +54,7 @@ pub struct Timeline {
     /// What they stand on.
     pub terrain: Terrain,
     /// The base clip that all this is laid over.
-    pub stood: Option<Stood>,
+    pub over: Option<Over>,
     /// When the hands hold what.
     pub carried: Vec<Carried>,
     /// The boxes in them, one each.
@@ -128,9 +128,7 @@ impl Timeline {
     /// Poses at every entry, and what each solve reports.
     pub fn solve_all(&self) -> Vec<Solved> {
         let mut solver = Solver::new(&self.body, &self.anatomy);
-        (0..self.com.len())
-            .map(|index| self.solved(&mut solver, &self.target(index), index as f64 * self.dt))
-            .collect()
+        (0..self.com.len()).map(|index| self.solved(&mut solver, &self.target(index), index as f64 * self.dt)).collect()
     }
 
     /// The pose at any time.
@@ -154,9 +152,9 @@ impl Timeline {
 
     /// The pose for a target, laid over the base clip where there is one.
     fn solved(&self, solver: &mut Solver, target: &PoseTarget, time: f64) -> Solved {
-        match &self.stood {
+        match &self.over {
             None => solver.solve(target),
-            Some(stood) => solver.solve_over(target, Some((&stood.neutral, &stood.pose(time)))),
+            Some(over) => solver.solve_over(target, Some((over.neutral(), &over.pose(time)))),
         }
     }
 

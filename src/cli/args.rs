@@ -26,6 +26,8 @@ pub enum Command {
     Audit(AuditArgs),
     /// Repair what an audit flags: hold feet, move plants, bring the body back over them; beside the original
     Correct(CorrectArgs),
+    /// Put a clip of another skeleton onto a rig: by humanoid role, feet held
+    Retarget(RetargetArgs),
     /// (not in this version yet) Bake every variation of a sweep
     Batch(LaterArgs),
     /// Say what was found in a rig: bones, sizes, masses, feet
@@ -302,6 +304,41 @@ pub struct CorrectArgs {
     /// Height of the floor over the file's zero in metres, where the feet mislead
     #[arg(long, value_name = "M", value_parser = |text: &str| number(text, -1e4, 1e4, "m"), allow_hyphen_values = true)]
     pub floor: Option<f64>,
+}
+
+/// `surefoot retarget`.
+#[derive(Debug, clap::Args)]
+pub struct RetargetArgs {
+    /// A .bvh, .fbx, .glb, .gltf, .vrm or .vrma file
+    #[arg(value_name = "CLIP")]
+    pub clip_file: PathBuf,
+    /// .glb, .gltf or .vrm; `builtin` is the rig inside of the program
+    #[arg(value_name = "RIG")]
+    pub rig: PathBuf,
+    /// Where the copy of the rig's file with the new clip goes
+    #[arg(short, long, value_name = "OUT.glb", value_parser = glb_path)]
+    pub output: PathBuf,
+    /// The clip of that name; needed where the file has several
+    #[arg(long, value_name = "NAME")]
+    pub clip: Option<String>,
+    /// Name of the new clip; the clip's own where left out
+    #[arg(long, value_name = "NAME", value_parser = clip_name)]
+    pub name: Option<String>,
+    /// Keys per second; where left out the clip's own rate, or the whole part of it that is at most 60
+    #[arg(long, value_name = "N", value_parser = fps)]
+    pub fps: Option<f64>,
+    /// Which node carries the way over the ground
+    #[arg(long, value_enum, default_value_t = Root::Root)]
+    pub root: Root,
+    /// The clip file's up axis, where it was not found: X, Y or Z, with a sign if you like
+    #[arg(long, value_name = "AXIS", value_parser = axis, allow_hyphen_values = true)]
+    pub up: Option<String>,
+    /// Metres a unit of the clip file, where it was not found: 0.01 for centimetres
+    #[arg(long, value_name = "METRES", value_parser = |text: &str| number(text, 1e-6, 1e3, "metres a unit"))]
+    pub unit: Option<f64>,
+    /// Print the result as one JSON object
+    #[arg(long)]
+    pub json: bool,
 }
 
 fn rule(text: &str) -> Result<Rule, String> {

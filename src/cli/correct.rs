@@ -8,10 +8,11 @@ use super::exit_code::{Exit, Failure};
 use super::writer::{self, Output};
 use super::{audit_text, resolve, say, tell};
 use crate::audit::AuditOptions;
-use crate::correct::{CorrectOptions, Corrected, correct, locals};
+use crate::correct::{CorrectOptions, Corrected, correct, locals, told};
 use crate::export::{Amended, amend};
-use crate::mocap::{self, ClipFile, Kind, Options, bvh, bvh_write};
+use crate::mocap::{self, ClipFile, Kind, Options, Reading, bvh, bvh_write};
 use crate::model::findings::{Findings, Rule};
+use crate::rig::Document;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -21,9 +22,9 @@ const EXACT: f64 = 0.001;
 /// A clip that was corrected.
 struct Clip {
     index: usize,
+    reading: Reading,
     corrected: Corrected,
     amended: Amended,
-    units: f64,
 }
 
 /// Corrects.
@@ -65,7 +66,7 @@ pub fn run(args: &CorrectArgs) -> Result<Exit, Failure> {
         None => (0..file.clips.len()).collect(),
     };
     let (clips, unread) = correct_all(args, &file, &wanted, &options)?;
-    let bytes = written(&file, &source, &clips, &args.output)?;
+    let bytes = written(&file, &source, &clips, &args.output, &options)?;
     let mut shown: Vec<Value> = Vec::new();
     let mut text = String::new();
     for clip in &clips {
@@ -137,9 +138,9 @@ fn correct_all(
         };
         let corrected = correct(&reading.capture, &settings);
         let edits = locals::edits(&reading, &source, &corrected);
-        let amended =
-            Amended { animation: index, start: reading.start, fps: reading.capture.fps, edits, speed: corrected.speed };
-        clips.push(Clip { index, corrected, amended, units: reading.capture.units_to_metres });
+        let (start, fps, speed) = (reading.start, reading.capture.fps, corrected.speed);
+        let amended = Amended { animation: index, start, fps, edits, speed, extras: None };
+        clips.push(Clip { index, reading, corrected, amended });
     }
     if clips.is_empty() {
         return Err(Failure::bad_input(unread.join("\n")));
@@ -148,7 +149,13 @@ fn correct_all(
 }
 
 /// The bytes of the corrected file.
-fn written(file: &ClipFile, source: &[u8], clips: &[Clip], output: &Path) -> Result<Vec<u8>, Failure> {
+fn written(
+    file: &ClipFile,
+    source: &[u8],
+    clips: &[Clip],
+    output: &Path,
+    options: &Options,
+) -> Result<Vec<u8>, Failure> {
     let untouched = clips.iter().all(|clip| clip.amended.edits.is_empty() && clip.amended.speed == 1.0);
     let gltf_text = source.first() != Some(&b'g');
     if let (Some(parsed), Some(clip)) = (file.bvh(), clips.first()) {
@@ -166,8 +173,34 @@ fn written(file: &ClipFile, source: &[u8], clips: &[Clip], output: &Path) -> Res
     let (Some(document), Some(nodes)) = (file.document(), file.nodes()) else {
         return Err(Failure::failed(format!("{}: this kind of file cannot be written", output.display())));
     };
-    let amended: Vec<Amended> = clips.iter().map(|clip| clip.amended.clone()).collect();
-    amend(document, nodes, &amended).map_err(|error| Failure::failed(error.to_string()))
+    let mut amended: Vec<Amended> = clips.iter().map(|clip| clip.amended.clone()).collect();
+    let failed = |error: crate::export::ExportError| Failure::failed(error.to_string());
+    let bytes = amend(document, nodes, &amended).map_err(failed)?;
+    // A clip that was baked here tells of itself as the written keys are.
+    let said: Vec<Option<Value>> =
+        clips.iter().map(|clip| told_again(document, clip, output, &bytes, options)).collect();
+    if said.iter().all(Option::is_none) {
+        return Ok(bytes);
+    }
+    for (amended, said) in amended.iter_mut().zip(said) {
+        amended.extras = said;
+    }
+    amend(document, nodes, &amended).map_err(failed)
+}
+
+/// What a clip tells from now on; `None` where it told nothing or nothing was changed.
+fn told_again(document: &Document, clip: &Clip, output: &Path, bytes: &[u8], options: &Options) -> Option<Value> {
+    if clip.amended.edits.is_empty() && clip.amended.speed == 1.0 {
+        return None;
+    }
+    let said = document.list("animations").get(clip.index)?.pointer("/extras/surefoot")?;
+    let dense = Options {
+        unit: options.unit.or(Some(clip.reading.capture.units_to_metres)),
+        fps: Some(clip.corrected.capture.fps * told::PER_FRAME as f64),
+        ..options.clone()
+    };
+    let written = locals::read_back(&output.display().to_string(), bytes, clip.index, &dense)?;
+    told::again(said, &clip.reading, &clip.corrected, &written)
 }
 
 /// The text with another frame time.
@@ -180,11 +213,11 @@ fn faster(text: &str, frame_time: f64) -> String {
     format!("{}{frame_time:.9}{}", &text[..start], &text[start + number..])
 }
 
-/// m: how far the written clip is from what was meant; `None` where it cannot be read again.
+/// m: how far the written clip is from what was meant, frame by frame at its rate; `None` where it cannot be read again.
 fn check_back(output: &Path, bytes: &[u8], clip: &Clip, options: &Options) -> Option<f64> {
-    let options = Options { unit: options.unit.or(Some(clip.units)), fps: None, ..options.clone() };
-    let index = clip.index;
-    let back = locals::read_back(&output.display().to_string(), bytes, index, &options)?;
+    let unit = options.unit.or(Some(clip.reading.capture.units_to_metres));
+    let options = Options { unit, fps: Some(clip.corrected.capture.fps), ..options.clone() };
+    let back = locals::read_back(&output.display().to_string(), bytes, clip.index, &options)?;
     Some(locals::written_off_by(&clip.corrected.capture, &back))
 }
 

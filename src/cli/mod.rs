@@ -18,6 +18,7 @@ pub mod interrupt;
 pub mod new;
 pub mod parts;
 pub mod resolve;
+pub mod retarget;
 pub mod scenario_fault;
 pub mod sheet;
 pub mod waivers;
@@ -60,6 +61,7 @@ fn dispatch(command: Command) -> Result<Exit, Failure> {
         Command::Sheet(args) => sheet::run(&args),
         Command::Audit(args) => audit::run(&args),
         Command::Correct(args) => correct::run(&args),
+        Command::Retarget(args) => retarget::run(&args),
         Command::Batch(_) => Err(not_yet("batch")),
         Command::Studio(_) => Err(not_yet("studio")),
     }
@@ -67,7 +69,7 @@ fn dispatch(command: Command) -> Result<Exit, Failure> {
 
 fn not_yet(command: &str) -> Failure {
     Failure::bad_input(format!(
-        "`surefoot {command}` is not in this version yet\n  help: this version has audit, bake, correct, inspect, new and sheet"
+        "`surefoot {command}` is not in this version yet\n  help: this version has audit, bake, correct, inspect, new, retarget and sheet"
     ))
 }
 

@@ -2,7 +2,7 @@
 
 use super::args::{self, Assist, BakeArgs, Root};
 use super::exit_code::Failure;
-use crate::bake::{Base, BakeError, BakeOptions, Baked, Drive, Helped, RootMotion};
+use crate::bake::{BakeError, BakeOptions, Baked, Base, Drive, Helped, RootMotion};
 use crate::model::{Clip, ClipReport, Prop, Scenario};
 use crate::rig::mannequin::{BUILTIN, MannequinOptions, mannequin};
 use crate::rig::{Rig, RigError, clips};

@@ -1,7 +1,7 @@
 //! A body that no ground could hold up: the pelvis and the trunk go back over the feet, which stay.
 //!
-//! Clip space, SI. The zero-moment point is z = c - c''h/g, so a shift s of the centre of mass moves it by s - s''h/g. Least squares over the
-//! flagged span and what is beside it: the ZMP comes to the middle of what bears (first attempt) or to the nearest place in it (then), the
+//! Clip space, SI. The zero-moment point is z = c - c''h/g, less what the clip's told pushes explain of it, so a shift s of the centre of
+//! mass moves it by s - s''h/g. Least squares over the flagged span and what is beside it: the ZMP comes to the middle of what bears (first attempt) or to the nearest place in it (then), the
 //! shift is smooth and begins and ends at rest. A pelvis that sank meanwhile comes back to the height that it has before and after.
 
 use super::posing::{Goal, as_it_is, pose};
@@ -12,8 +12,8 @@ use crate::audit::balance::support;
 use crate::maths::banded::BandedLeastSquares;
 use crate::maths::hull::{centroid, closest_point, shrink};
 use crate::measure::GRAVITY;
-use crate::model::Side;
 use crate::model::findings::{Findings, Flag, Rule};
+use crate::model::{Capture, Side};
 use glam::{DVec2, DVec3};
 
 /// s: flags that are nearer are of one fault.
@@ -131,7 +131,7 @@ fn over_the_feet(seen: &Seen, start: usize, end: usize, least: bool) -> Vec<DVec
         let stiff = height / GRAVITY * hz * hz;
         let bend = com[frame - 1] - com[frame] * 2.0 + com[frame + 1];
         let zmp = com[frame] - bend * stiff;
-        let zmp = DVec2::new(zmp.x, zmp.z);
+        let zmp = DVec2::new(zmp.x, zmp.z) + pushed(capture, frame, com[frame], height);
         let Some(hull) = support(&seen.track, &seen.feet, frame, carry) else { continue };
         let inner = shrink(&hull, 0.02 * seen.track.size());
         let inside = if inner.is_empty() { &hull } else { &inner };
@@ -155,6 +155,23 @@ fn over_the_feet(seen: &Seen, start: usize, end: usize, least: bool) -> Vec<DVec
     });
     let pinned = |index: usize| (index == 0 && start > 0) || (index + 1 == count && end + 1 < seen.track.len());
     (0..count).map(|index| if pinned(index) { DVec2::ZERO } else { DVec2::new(x[index], z[index]) }).collect()
+}
+
+/// m, (x, z): how far the told pushes move the ZMP: over there the ground must push to hold them up, and the motion does not show it. A push
+/// counts by the share of the frame that it covers, as in `measure::dynamics`.
+fn pushed(capture: &Capture, frame: usize, com: DVec3, height: f64) -> DVec2 {
+    let hz = capture.fps;
+    let time = frame as f64 / hz;
+    let (mut force, mut moment) = (DVec3::ZERO, DVec3::ZERO);
+    for push in &capture.pushes {
+        let covered = (push.end.min(time + 0.5 / hz) - push.start.max(time - 0.5 / hz)) * hz;
+        let share = push.force * covered.clamp(0.0, 1.0);
+        force += share;
+        moment += push.joint.map_or(DVec3::ZERO, |joint| capture.at(frame)[joint] - com).cross(share);
+    }
+    let weight = capture.body.mass * GRAVITY;
+    let load = (weight - force.y).max(0.4 * weight).max(1e-9);
+    DVec2::new(height * force.x - moment.z, height * force.z + moment.x) / load
 }
 
 /// m, (frames): how far a pelvis that sank comes up.
@@ -204,4 +221,35 @@ fn height(seen: &Seen, frame: usize) -> f64 {
         .into_iter()
         .fold(f64::MAX, f64::min);
     seen.at(frame, 0).y - floor
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::audit::balance::balance;
+    use crate::audit::contacts::footfalls;
+    use crate::audit::fixture::stand;
+    use crate::audit::track::Track;
+    use crate::model::Role;
+    use crate::model::capture::ToldPush;
+
+    #[test]
+    fn a_told_push_moves_the_zmp_as_the_audit_has_it() {
+        let still = stand(2.0);
+        let chest = still.body.joint(Role::Chest).or(still.body.joint(Role::Spine)).expect("a trunk");
+        for (force, joint) in [(DVec3::X * 60.0, None), (DVec3::new(20.0, 30.0, -50.0), Some(chest))] {
+            let mut capture = still.clone();
+            capture.pushes = vec![ToldPush { start: 0.2, end: 1.8, force, joint }];
+            let zmp = |capture: &Capture| {
+                let track = Track::new(capture);
+                balance(&track, &footfalls(&track))[capture.frames() / 2].expect("it stands").zmp
+            };
+            let track = Track::new(&capture);
+            let middle = capture.frames() / 2;
+            let floor = footfalls(&track).floor_at(middle, track.below(middle));
+            let by = pushed(&capture, middle, track.com[middle], track.com[middle].y - floor);
+            let told = zmp(&capture) - zmp(&still);
+            assert!(told.length() > 0.05 && by.distance(told) < 1e-3, "{by} {told}");
+        }
+    }
 }

@@ -3,7 +3,8 @@
 //! The way of a correction: the audit's flags -> one pass a rule, each a file of its own ([`heights`], [`slides`], [`placement`],
 //! [`balance`], [`flight`]), that proposes [`Fix`]es: spans of frames posed anew ([`posing`]) -> the audit again -> what made its span no
 //! cleaner, or raised a flag where none was, is taken back ([`verdict`]). What a pass may touch is the flagged span and the swings beside
-//! it that must lead there and away. Clip space (metres, Y up), SI; frames count from 0. [`locals`] leads back to the file's own nodes.
+//! it that must lead there and away. Clip space (metres, Y up), SI; frames count from 0. [`locals`] leads back to the file's own nodes, [`told`]
+//! to what a baked clip tells of itself.
 //! Leaves out: arms (they ride on the pelvis), and ground that is not level.
 
 pub mod balance;
@@ -15,6 +16,7 @@ pub mod posing;
 pub mod retime;
 pub mod seen;
 pub mod slides;
+pub mod told;
 mod verdict;
 
 use crate::audit::{AuditOptions, audit};
@@ -174,9 +176,6 @@ pub fn correct(source: &Capture, options: &CorrectOptions) -> Corrected {
     for flag in after.flags.iter().filter(|flag| wanted(options, flag.rule)) {
         notes.push(format!("frames {}-{}: could not mend that {}", flag.start, flag.end, flag.why));
     }
-    if !source.pushes.is_empty() && !done.is_empty() {
-        notes.push("the clip's extras (contacts, plausibility) still tell of it as it was baked".to_owned());
-    }
     let changed = changed(source, &capture);
     restore(source, &mut capture, &changed);
     let slip = slip(&capture, &done, options.audit.floor);
@@ -206,6 +205,7 @@ fn slip(capture: &Capture, done: &[Done], floor: Option<f64>) -> f64 {
         });
         slips.fold(0.0, f64::max)
     })
+    .unwrap_or(0.0)
 }
 
 fn wanted(options: &CorrectOptions, rule: Rule) -> bool {
@@ -244,6 +244,7 @@ fn propose(
         });
         fixes
     })
+    .unwrap_or_default()
 }
 
 /// Flags of a rule, those of one fault together: no more than so many frames apart.

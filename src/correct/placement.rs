@@ -7,9 +7,10 @@
 
 use super::Fix;
 use super::posing::{as_it_is, leg, pose, under};
-use super::seen::{Seen, eased, judged, side_of};
+use super::seen::{Seen, eased, side_of};
 use super::slides::{bears, hold};
 use crate::audit::placement::{Judged, median};
+use crate::audit::stages::judged;
 use crate::maths::filter::value_at;
 use crate::model::findings::{Findings, Flag, Rule};
 use crate::model::{Capture, Side};

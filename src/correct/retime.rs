@@ -10,7 +10,8 @@ use crate::model::findings::{Findings, Rule};
 /// By how much faster the clip has to play; `None` where its clock is not flagged.
 pub fn speed(capture: &Capture, findings: &Findings, floor: Option<f64>) -> Option<f64> {
     findings.clip_flags.iter().find(|flag| flag.rule == Rule::Timing)?;
-    let clock = with_seen(capture, floor, |seen| timing::clock(&seen.track, &seen.feet, &seen.domain, seen.steps))?;
+    let clock =
+        with_seen(capture, floor, |seen| timing::clock(&seen.track, &seen.feet, &seen.domain, seen.judged.len()))??;
     // Across the way a walk keeps to its clock whatever its style; a clip that is too fast shows it in both.
     let mean = (clock.across.max(0.0) * clock.along.max(0.0)).sqrt();
     let measured = if mean > 1.0 { mean } else { clock.across };
@@ -22,7 +23,12 @@ pub fn retimed(capture: &Capture, findings: &Findings, options: &AuditOptions) -
     const TRIES: usize = 4;
     let (mut clip, mut found) = (capture.clone(), findings.clone());
     for _ in 0..TRIES {
-        clip.fps *= speed(&clip, &found, options.floor)?;
+        let faster = speed(&clip, &found, options.floor)?;
+        clip.fps *= faster;
+        // What pushed it, pushes in the same frames.
+        for push in &mut clip.pushes {
+            (push.start, push.end) = (push.start / faster, push.end / faster);
+        }
         found = audit(&clip, options);
         if !found.clip_flags.iter().any(|flag| flag.rule == Rule::Timing) {
             return Some((clip, found));

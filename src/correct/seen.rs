@@ -1,55 +1,26 @@
-//! What the audit sees of a clip, for passes that ask more than its flags tell.
+//! What the audit sees of a clip, for passes that ask more than its flags tell: its own stages, and where things are in them.
 //!
-//! The same stages as `audit::audit`; clip space, SI.
+//! Clip space, SI.
 
-use crate::audit::balance::{Balance, balance, thrown};
-use crate::audit::contacts::{Contact, Footfalls, footfalls_on};
-use crate::audit::domain::{Domain, Reason, domain};
-use crate::audit::placement::{self, Judged};
-use crate::audit::track::{Track, without_pose};
+use crate::audit::contacts::Contact;
+use crate::audit::stages::{Stages, with_stages};
 use crate::model::{Capture, Side};
 use glam::DVec3;
+use std::ops::Deref;
 
 /// One clip's stages.
-pub struct Seen<'a> {
-    /// Centre of mass and feet.
-    pub track: Track<'a>,
-    /// Contacts and steps.
-    pub feet: Footfalls,
-    /// Where the pendulum applies.
-    pub domain: Domain,
-    /// Steps that were judged.
-    pub judged: Vec<Judged>,
-    /// (frames) the ZMP.
-    pub balance: Vec<Option<Balance>>,
-    /// Steps that the clip shows whole where the pendulum applies.
-    pub steps: usize,
-}
+pub struct Seen<'a>(&'a Stages<'a>);
 
-/// Looks at a clip of one frame at least.
-pub fn with_seen<T>(capture: &Capture, floor: Option<f64>, look: impl FnOnce(&Seen) -> T) -> T {
-    let (held, posed) = without_pose(capture);
-    let track = Track::new(held.as_ref().unwrap_or(capture));
-    let feet = footfalls_on(&track, floor);
-    let mut domain = domain(&track, &feet);
-    domain.begin_after(posed);
-    let balance = balance(&track, &feet);
-    for (start, end) in thrown(&track, &balance) {
-        let around = (0.3 * capture.fps) as usize;
-        domain.add(start.saturating_sub(around), (end + around).min(track.len() - 1), Reason::Thrown);
+impl<'a> Deref for Seen<'a> {
+    type Target = Stages<'a>;
+    fn deref(&self) -> &Stages<'a> {
+        self.0
     }
-    let judged = judged(&track, &feet, &domain);
-    let steps = judged.len();
-    look(&Seen { track, feet, domain, judged, balance, steps })
 }
 
-/// The steps that the audit judges.
-pub fn judged(track: &Track, feet: &Footfalls, domain: &Domain) -> Vec<Judged> {
-    let taken: Vec<_> = placement::taken(track, feet)
-        .into_iter()
-        .filter(|taken| domain.walks_in(feet.contacts[taken.step.from].end, feet.contacts[taken.step.to].start))
-        .collect();
-    placement::judge(track, &taken)
+/// Looks at a clip; `None` of a clip without frames.
+pub fn with_seen<T>(capture: &Capture, floor: Option<f64>, look: impl FnOnce(&Seen) -> T) -> Option<T> {
+    with_stages(capture, floor, |stages| look(&Seen(stages)))
 }
 
 impl Seen<'_> {

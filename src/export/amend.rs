@@ -31,6 +31,8 @@ pub struct Amended {
     pub edits: BTreeMap<(usize, usize), Trs>,
     /// By how much faster it plays.
     pub speed: f64,
+    /// What it tells in `extras.surefoot` from now on; as it was, if none.
+    pub extras: Option<Value>,
 }
 
 /// The document as a GLB with those clips changed. `nodes` are the document's.
@@ -57,6 +59,9 @@ pub fn amend(document: &Document, nodes: &[RigNode], clips: &[Amended]) -> Resul
         }
         if (clip.speed - 1.0).abs() > 1e-9 {
             play_faster(document, animation, clip.speed, &mut keys)?;
+        }
+        if let Some(told) = &clip.extras {
+            animation["extras"]["surefoot"] = told.clone();
         }
     }
     for node in moved.into_iter().filter(|node| nodes[*node].has_matrix) {

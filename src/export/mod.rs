@@ -87,7 +87,7 @@ pub(crate) mod tests {
             assist: Assist::default(),
             torques: Vec::new(),
             plausibility: Plausibility::default(),
-        base: None,
+            base: None,
         }
     }
 }

@@ -1,38 +1,23 @@
 //! A capture's motion on another body, by humanoid role, with its feet held where the source's bear.
 //!
 //! Clip space in, clip space out (m, Y up, the file's heading); the target's floor is y = 0. Segments take the source's directions
-//! ([`super::retarget_turns`]); the pelvis goes the source's way scaled by leg length, at the height at which the legs that bear are as bent
-//! as the source's; then feet are held ([`super::retarget_feet`]) and two-bone IK takes up what is left, the pelvis sinking where a foot that
-//! bears is out of reach. Bones keep their lengths: what a capture stretches is lost. Keeps no hand off the body.
+//! (`retarget_turns`), feet are held where the source's bear (`retarget_planted`, `retarget_feet`), pelvis and legs follow (`retarget_pose`);
+//! walks on the spot and cycles keep being that (`retarget_cycle`). Bones keep their lengths: what a capture stretches is lost. Keeps no
+//! hand off the body.
 
+pub use super::retarget_cycle::belt;
 pub use super::retarget_planted::Planted;
 
-use super::retarget_feet::FootPlan;
-use super::retarget_planted::{SourceFeet, Stance, source_feet};
-use super::retarget_turns::{TurnMap, rest_frames};
-use crate::maths::filter::zero_lag;
-use crate::maths::quat::shortest_arc;
-use crate::maths::two_bone_ik::two_bone_ik;
+use super::retarget_cycle::{cycle, middle as middle_of_three, moved, stances_of_middle, three, thrice};
+use super::retarget_planted::{Stance, source_feet};
+use super::retarget_pose::Work;
 use crate::model::capture::ToldPush;
 use crate::model::report::Part;
-use crate::model::{Body, BodyPose, Capture, Role, Side};
-use glam::{DQuat, DVec3};
+use crate::model::{Body, BodyPose, Capture};
+use glam::DVec3;
 
 /// m: joints that rest nearer to each other are the same.
 const SAME: f64 = 1e-6;
-/// A leg is no straighter than that, unless the source's was.
-const STRAIGHTEST: f64 = 0.9985;
-/// Nor ever than that.
-const STRAIGHT: f64 = 0.9999;
-/// Of the leg's length: the pelvis sinks no more for reach.
-const DEEPEST: f64 = 0.15;
-/// s, at a leg of 0.83 m: how long before it is needed, and after, the pelvis sinks.
-const SINKS: f64 = 0.2;
-/// Hz: what the height of the pelvis gets beside the scaled one changes no faster.
-const SETTLES: f64 = 3.0;
-/// m, m/s: a foot this far over the floor or this fast says little of how high the pelvis is.
-const LIGHT: (f64, f64) = (0.02, 0.6);
-
 /// The motion of `capture` on another body. The same fps, frames, name and clip space; the floor of the source's feet becomes y = 0. On the
 /// source's own body it is the source's motion.
 pub fn retarget(capture: &Capture, body: &Body) -> Capture {
@@ -44,9 +29,9 @@ pub fn retarget_with(capture: &Capture, body: &Body, planted: &[Planted]) -> Cap
     retarget_by(capture, body, Some(planted))
 }
 
-/// When the source's feet bear, as [`retarget`] holds them.
+/// When the source's feet bear, as [`retarget`] holds them; of a walk on the spot, on the ground that goes by ([`belt`]).
 pub fn planted(capture: &Capture) -> Vec<Planted> {
-    source_feet(capture, None).stances.iter().map(|stance| stance.planted).collect()
+    stances(capture).iter().map(|stance| stance.planted).collect()
 }
 
 /// The same by the part of the sole that bears: each stance in pieces, and m, how high over the source's floor it stands.
@@ -62,7 +47,25 @@ pub fn planted_parts(capture: &Capture) -> Vec<(Planted, Part, f64)> {
         }
         pieces
     };
-    source_feet(capture, None).stances.into_iter().flat_map(pieces).collect()
+    stances(capture).into_iter().flat_map(pieces).collect()
+}
+
+fn stances(capture: &Capture) -> Vec<Stance> {
+    let (still, _) = on_its_ground(capture);
+    match cycle(&still) {
+        Some(travel) => stances_of_middle(source_feet(&three(&still, travel), None).stances, still.frames()),
+        None => source_feet(&still, None).stances,
+    }
+}
+
+/// The clip where its ground is still, and m/s, how that goes by in the clip itself.
+fn on_its_ground(capture: &Capture) -> (Capture, DVec3) {
+    let belt = belt(capture).unwrap_or(DVec3::ZERO);
+    let mut still = capture.clone();
+    if belt != DVec3::ZERO {
+        moved(&mut still, -belt);
+    }
+    (still, belt)
 }
 
 /// Whether two bodies have the same joints at the same places.
@@ -74,17 +77,48 @@ pub fn same_joints(a: &Body, b: &Body) -> bool {
 }
 
 fn retarget_by(capture: &Capture, body: &Body, told: Option<&[Planted]>) -> Capture {
-    let mut notes = capture.notes.clone();
-    let poses: Vec<BodyPose> = if same_joints(&capture.body, body) {
-        (0..capture.frames())
-            .map(|frame| BodyPose { hips: capture.at(frame)[0], turns: capture.turns_at(frame).to_vec() })
-            .collect()
-    } else {
-        let source = source_feet(capture, told);
-        let work = Work::new(capture, body);
-        notes.extend(work.notes(&source));
-        work.poses(&source)
+    if same_joints(&capture.body, body) {
+        let pose = |frame: usize| BodyPose { hips: capture.at(frame)[0], turns: capture.turns_at(frame).to_vec() };
+        return on_body(capture, body, &(0..capture.frames()).map(pose).collect::<Vec<_>>(), Vec::new());
+    }
+    let (still, belt) = on_its_ground(capture);
+    let frames = still.frames();
+    let travel = cycle(&still);
+    let mut out = match travel {
+        Some(travel) => {
+            let told = told.map(|told| thrice(told, frames));
+            middle_of_three(&on_ground(&three(&still, travel), body, told.as_deref(), Some(frames)), body, frames)
+        }
+        None => on_ground(&still, body, told, None),
     };
+    if belt != DVec3::ZERO {
+        moved(&mut out, belt * (body.leg_length / capture.body.leg_length.max(1e-6)));
+        out.notes.push(format!("the clip walks on the spot: its ground goes by at {:.2} m/s", belt.length()));
+    }
+    if travel.is_some() {
+        out.notes.push("the clip ends as it begins, and so it does here".to_owned());
+    }
+    out
+}
+
+/// A clip whose ground is still. `cycle`: its frames, where it is three times one.
+fn on_ground(capture: &Capture, body: &Body, told: Option<&[Planted]>, cycle: Option<usize>) -> Capture {
+    let source = source_feet(capture, told);
+    let work = Work::new(capture, body);
+    let (held, slides) = match cycle {
+        Some(frames) => (stances_of_middle(source.stances.clone(), frames).len(), source.slides.div_ceil(3)),
+        None => (source.stances.len(), source.slides),
+    };
+    on_body(capture, body, &work.poses(&source), work.notes(held, slides))
+}
+
+/// The capture with other poses, of another body.
+fn on_body(capture: &Capture, body: &Body, poses: &[BodyPose], notes: Vec<String>) -> Capture {
+    let joints = capture.body.joints.as_slice();
+    let pushes = capture.pushes.iter().map(|push| {
+        let role = push.joint.and_then(|joint| joints.get(joint)).map(|joint| joint.role);
+        ToldPush { joint: role.and_then(|role| body.joint(role)), ..push.clone() }
+    });
     let mut out = Capture {
         name: capture.name.clone(),
         fps: capture.fps,
@@ -95,18 +129,11 @@ fn retarget_by(capture: &Capture, body: &Body, told: Option<&[Planted]>) -> Capt
         up: capture.up.clone(),
         confidence: capture.confidence,
         method: capture.method.clone(),
-        notes,
-        pushes: capture
-            .pushes
-            .iter()
-            .map(|push| {
-                let role = push.joint.map(|joint| capture.body.joints[joint].role);
-                ToldPush { joint: role.and_then(|role| body.joint(role)), ..push.clone() }
-            })
-            .collect(),
+        notes: capture.notes.iter().cloned().chain(notes).collect(),
+        pushes: pushes.collect(),
     };
     let mut places = Vec::new();
-    for pose in &poses {
+    for pose in poses {
         pose.positions_into(body, &mut places);
         out.positions.extend_from_slice(&places);
         out.turns.extend_from_slice(&pose.turns);
@@ -114,225 +141,198 @@ fn retarget_by(capture: &Capture, body: &Body, told: Option<&[Planted]>) -> Capt
     out
 }
 
-/// One leg of the target.
-struct Leg {
-    hip: usize,
-    knee: usize,
-    ankle: usize,
-    toes: Option<usize>,
-    /// m, at rest: from the middle between the hip joints to this one, thigh, shank.
-    bones: [DVec3; 3],
-    /// What is in front of the thigh, at rest.
-    front: DVec3,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::fixture;
+    use crate::model::{BodyJoint, Role, Side};
+    use glam::DQuat;
 
-/// A retarget under way.
-struct Work<'a> {
-    capture: &'a Capture,
-    body: &'a Body,
-    scale: f64,
-    legs: [Leg; 2],
-    /// m, at rest: from the middle between the hip joints to the hips joint.
-    to_hips: DVec3,
-    /// (frames) the turns of every joint, as the source has them.
-    turns: Vec<Vec<DQuat>>,
-}
-
-impl<'a> Work<'a> {
-    fn new(capture: &'a Capture, body: &'a Body) -> Work<'a> {
-        let map = TurnMap::new(&capture.body, body);
-        let turns = (0..capture.frames()).map(|frame| map.turns(capture.turns_at(frame))).collect();
-        let rest = rest_frames(body);
-        let middle = middle(body, &|joint| body.joints[joint].rest);
-        let legs = Side::BOTH.map(|side| {
-            let [hip, knee] = leg_roles(side).map(|role| body.joint(role).unwrap_or(0));
-            let shape = &body.feet[side as usize];
-            let place = |joint: usize| body.joints[joint].rest;
-            let toes = body.joint(if side == Side::Left { Role::LeftToes } else { Role::RightToes });
-            let bones = [place(hip) - middle, place(knee) - place(hip), place(shape.ankle) - place(knee)];
-            Leg { hip, knee, ankle: shape.ankle, toes, bones, front: rest[hip] * DVec3::Z }
-        });
-        let to_hips = body.joints[0].rest - middle;
-        let scale = body.leg_length / capture.body.leg_length.max(1e-6);
-        Work { capture, body, scale, legs, to_hips, turns }
-    }
-
-    fn notes(&self, source: &SourceFeet) -> Vec<String> {
-        let mut notes = vec![format!("retargeted: the way of the pelvis is {:.3} of the clip's, by leg length", self.scale)];
-        let lacks: Vec<&str> = (self.body.joints.iter().filter(|joint| joint.animated))
-            .filter(|joint| self.capture.body.joint(joint.role).is_none())
-            .map(|joint| joint.role.name())
-            .collect();
-        if !lacks.is_empty() {
-            notes.push(format!("the clip has no {}: they go with what they hang from", lacks.join(", ")));
-        }
-        let held = source.stances.len();
-        notes.push(match (held, source.slides) {
-            (0, 0) => "no foot of the clip stands still: none is held".to_owned(),
-            (0, slides) => format!("feet slide through all of {slides} stances: none is held"),
-            (held, 0) => format!("feet are held in {held} stances"),
-            (held, slides) => format!("feet are held in {held} stances; {slides} more slide and are not"),
-        });
-        notes
-    }
-
-    fn poses(&self, source: &SourceFeet) -> Vec<BodyPose> {
-        let frames = self.capture.frames();
-        if frames == 0 {
-            return Vec::new();
-        }
-        let fps = self.capture.fps;
-        let plans = Side::BOTH.map(|side| {
-            let leg = &self.legs[side as usize];
-            let toe = self.body.feet[side as usize].toe.unwrap_or(leg.ankle);
-            let raw: Vec<[DQuat; 2]> = self.turns.iter().map(|turns| [turns[leg.ankle], turns[toe]]).collect();
-            FootPlan::new(self.body, side, &raw, source, self.scale, fps)
-        });
-        let mut pelvis = self.pelvis(source, &plans);
-        let ankles = Side::BOTH.map(|side| {
-            let own: Vec<DVec3> = (0..frames).map(|frame| pelvis[frame] + self.hanging(frame, side)).collect();
-            plans[side as usize].ankles(&own)
-        });
-        let sinks = self.sinking(&pelvis, &ankles, &plans);
-        for (place, sunk) in pelvis.iter_mut().zip(sinks) {
-            place.y -= sunk;
-        }
-        (0..frames)
+    fn capture(body: &Body, frames: usize, mut pose: impl FnMut(usize, &mut BodyPose)) -> Capture {
+        let poses: Vec<BodyPose> = (0..frames)
             .map(|frame| {
-                let goals = Side::BOTH.map(|side| ankles[side as usize][frame]);
-                let feet = Side::BOTH.map(|side| plans[side as usize].turns[frame]);
-                self.pose(frame, pelvis[frame], goals, feet)
-            })
-            .collect()
-    }
-
-    /// m: from between the hip joints to an ankle, legs as the source has them.
-    fn hanging(&self, frame: usize, side: Side) -> DVec3 {
-        let leg = &self.legs[side as usize];
-        let turns = &self.turns[frame];
-        turns[0] * leg.bones[0] + turns[leg.hip] * leg.bones[1] + turns[leg.knee] * leg.bones[2]
-    }
-
-    /// m, (frames): between the hip joints.
-    fn pelvis(&self, source: &SourceFeet, plans: &[FootPlan; 2]) -> Vec<DVec3> {
-        let frames = self.capture.frames();
-        let floor = 0.5 * (source.floor[0] + source.floor[1]);
-        let own: Vec<DVec3> =
-            (0..frames).map(|frame| middle(&self.capture.body, &|joint| self.capture.at(frame)[joint])).collect();
-        let first = DVec3::new(own[0].x, 0.0, own[0].z);
-        let scaled: Vec<DVec3> =
-            own.iter().map(|own| first + (*own - first - DVec3::Y * floor) * self.scale).collect();
-        let size = self.capture.body.leg_length / 0.83;
-        let (light, fast) = (LIGHT.0 * size, LIGHT.1 * size.max(0.0).sqrt());
-        let beside: Vec<f64> = (0..frames)
-            .map(|frame| {
-                let (mut weights, mut sum) = (0.0, 0.0);
-                for side in Side::BOTH {
-                    let at = side as usize;
-                    let (over, speed) = (source.clearance[at][frame].max(0.0) / light, source.still[at][frame] / fast);
-                    let weight = 1.0 / (1.0 + over * over + speed * speed).powi(2);
-                    weights += weight;
-                    sum += weight * (plans[at].height[frame] - self.hanging(frame, side).y - scaled[frame].y);
-                }
-                sum / weights
+                let mut at = BodyPose::rest(body);
+                pose(frame, &mut at);
+                at
             })
             .collect();
-        let tempo = (self.body.leg_length / 0.83).max(0.01).sqrt();
-        let beside = zero_lag(&beside, SETTLES / tempo, self.capture.fps);
-        scaled.iter().zip(beside).map(|(scaled, beside)| *scaled + DVec3::Y * beside).collect()
+        let empty = Capture {
+            name: "made".into(),
+            fps: 30.0,
+            body: body.clone(),
+            positions: vec![],
+            turns: vec![],
+            units_to_metres: 1.0,
+            up: "+Y".into(),
+            confidence: 1.0,
+            method: String::new(),
+            notes: vec![],
+            pushes: vec![],
+        };
+        on_body(&empty, body, &poses, vec![])
     }
 
-    /// How far a leg may stretch in a frame, m.
-    fn reach(&self, frame: usize, side: Side) -> f64 {
-        let leg = &self.legs[side as usize];
-        let whole = leg.bones[1].length() + leg.bones[2].length();
-        let turns = &self.turns[frame];
-        let own = (turns[leg.hip] * leg.bones[1] + turns[leg.knee] * leg.bones[2]).length();
-        whole * (own / whole.max(1e-9)).clamp(STRAIGHTEST, STRAIGHT)
-    }
-
-    /// m, (frames): how far the pelvis sinks so that feet that bear are reached.
-    fn sinking(&self, pelvis: &[DVec3], ankles: &[Vec<DVec3>; 2], plans: &[FootPlan; 2]) -> Vec<f64> {
-        let deepest = DEEPEST * self.body.leg_length;
-        let need: Vec<f64> = (0..pelvis.len())
-            .map(|frame| {
-                let of = |side: Side| {
-                    let leg = &self.legs[side as usize];
-                    let hip = pelvis[frame] + self.turns[frame][0] * leg.bones[0];
-                    let (ankle, reach) = (ankles[side as usize][frame], self.reach(frame, side));
-                    let across = (hip - ankle) * DVec3::new(1.0, 0.0, 1.0);
-                    let highest = ankle.y + (reach * reach - across.length_squared()).max(0.0).sqrt();
-                    (hip.y - highest).max(0.0) * plans[side as usize].bears[frame]
-                };
-                of(Side::Left).max(of(Side::Right)).min(deepest)
-            })
-            .collect();
-        if need.iter().all(|need| *need < 1e-6) {
-            return vec![0.0; pelvis.len()];
-        }
-        // Each need is a hat with eased sides; their maximum, and no corner in it.
-        let tempo = (self.body.leg_length / 0.83).max(0.01).sqrt();
-        let wide = (SINKS * tempo * self.capture.fps).round().max(2.0) as usize;
-        let hats: Vec<f64> = (0..pelvis.len())
-            .map(|frame| {
-                let near = frame.saturating_sub(wide)..=(frame + wide).min(pelvis.len() - 1);
-                near.map(|at| {
-                    let u = 1.0 - at.abs_diff(frame) as f64 / wide as f64;
-                    need[at] * u * u * (3.0 - 2.0 * u)
-                })
-                .fold(0.0, f64::max)
-            })
-            .collect();
-        zero_lag(&hats, 2.0 * SETTLES / tempo, self.capture.fps).into_iter().zip(&need).map(|(a, b)| a.max(*b)).collect()
-    }
-
-    /// A frame: the pelvis and the ankles at their places, legs between.
-    fn pose(&self, frame: usize, pelvis: DVec3, ankles: [DVec3; 2], feet: [[DQuat; 2]; 2]) -> BodyPose {
-        let mut turns = self.turns[frame].clone();
+    /// Arms out, palms down, instead of hanging; and long legs on high ankles.
+    fn other_body() -> Body {
+        let mut body = fixture::body().with_leg_scale(1.3);
         for side in Side::BOTH {
-            let leg = &self.legs[side as usize];
-            let hip = pelvis + turns[0] * leg.bones[0];
-            let (thigh, shank) = (turns[leg.hip] * leg.bones[1], turns[leg.knee] * leg.bones[2]);
-            let (upper, lower) = (thigh.length(), shank.length());
-            let goal = ankles[side as usize];
-            let pole = pole(thigh, shank, goal - hip, turns[leg.hip] * leg.front);
-            let straightest = self.reach(frame, side) / (upper + lower).max(1e-9);
-            let solved = two_bone_ik(hip, goal, upper, lower, pole, straightest);
-            turns[leg.hip] = (shortest_arc(thigh, solved.middle - hip) * turns[leg.hip]).normalize();
-            turns[leg.knee] = (shortest_arc(shank, solved.end - solved.middle) * turns[leg.knee]).normalize();
-            let [foot, toes] = feet[side as usize];
-            turns[leg.ankle] = if self.body.joints[leg.ankle].animated { foot } else { turns[leg.knee] };
-            if let Some(at) = leg.toes {
-                let bends = self.body.feet[side as usize].toe.is_some() && self.body.joints[at].animated;
-                turns[at] = if bends { toes } else { turns[leg.ankle] };
+            let own = |role: Role| if side == Side::Left { role } else { role.mirrored() };
+            let shoulder = body.joints[body.joint(own(Role::LeftUpperArm)).expect("an arm")].rest;
+            for (role, out) in [(Role::LeftLowerArm, 0.3), (Role::LeftHand, 0.55)] {
+                let joint = body.joint(own(role)).expect("an arm");
+                body.joints[joint].rest = shoulder + DVec3::X * out * side.sign();
+            }
+            let foot = &mut body.feet[side as usize];
+            foot.ankle_height += 0.03;
+            foot.rear_sole.iter_mut().chain(&mut foot.front_sole).for_each(|vertex| vertex.y -= 0.03);
+        }
+        body.joints.iter_mut().for_each(|joint| joint.rest.y += 0.03);
+        body
+    }
+
+    fn lowest(capture: &Capture, frame: usize, side: Side) -> f64 {
+        let pose = BodyPose { hips: capture.at(frame)[0], turns: capture.turns_at(frame).to_vec() };
+        let (rear, front) = pose.sole(&capture.body, capture.at(frame), side);
+        rear.iter().chain(&front).map(|vertex| vertex.y).fold(f64::INFINITY, f64::min)
+    }
+
+    fn direction(capture: &Capture, frame: usize, from: Role, to: Role) -> DVec3 {
+        let at = |role| capture.at(frame)[capture.body.joint(role).expect("a joint")];
+        (at(to) - at(from)).normalize()
+    }
+
+    #[test]
+    fn on_its_own_body_a_clip_is_itself() {
+        let body = fixture::body();
+        let clip = capture(&body, 12, |frame, pose| {
+            pose.hips += DVec3::new(0.1, -0.01, 0.02) * frame as f64;
+            pose.turns[3] = DQuat::from_rotation_x(0.1 * frame as f64);
+        });
+        let same = retarget(&clip, &body);
+        assert!(same.turns == clip.turns && same.positions == clip.positions);
+    }
+
+    #[test]
+    fn a_raised_arm_points_the_same_way_on_a_body_that_rests_with_its_arms_out() {
+        let body = fixture::body();
+        let (upper, lower) = (body.joint(Role::LeftUpperArm).expect("an arm"), body.joint(Role::LeftLowerArm));
+        let clip = capture(&body, 9, |frame, pose| {
+            pose.turns[upper] = DQuat::from_rotation_x(-0.2 * frame as f64);
+            for joint in [lower.expect("an arm"), body.joint(Role::LeftHand).expect("a hand")] {
+                pose.turns[joint] = DQuat::from_rotation_x(-0.3 * frame as f64);
+            }
+        });
+        let out = retarget(&clip, &other_body());
+        for frame in 0..9 {
+            for (from, to) in [(Role::LeftUpperArm, Role::LeftLowerArm), (Role::RightLowerArm, Role::RightHand)] {
+                let (is, shall) = (direction(&out, frame, from, to), direction(&clip, frame, from, to));
+                assert!(is.angle_between(shall) < 1e-6, "frame {frame}: {is} for {shall}");
             }
         }
-        BodyPose { hips: pelvis + turns[0] * self.to_hips, turns }
+        // The elbow's hinge came along: the upper arm's own X axis at rest, which was across, is now up or down.
+        let hinge = out.turns_at(0)[out.body.joint(Role::LeftUpperArm).expect("an arm")] * DVec3::Y;
+        assert!(hinge.x.abs() > 0.999, "{hinge}");
     }
-}
 
-fn leg_roles(side: Side) -> [Role; 2] {
-    match side {
-        Side::Left => [Role::LeftUpperLeg, Role::LeftLowerLeg],
-        Side::Right => [Role::RightUpperLeg, Role::RightLowerLeg],
+    #[test]
+    fn who_stands_stands_flat_on_longer_legs_and_higher_ankles() {
+        let clip = capture(&fixture::body(), 20, |_, _| {});
+        let out = retarget(&clip, &other_body());
+        for frame in 0..20 {
+            for side in Side::BOTH {
+                assert!(lowest(&out, frame, side).abs() < 1e-6, "{}", lowest(&out, frame, side));
+            }
+        }
+        assert!(out.at(5)[0].y > clip.at(5)[0].y + 0.2, "on long legs the hips are high");
     }
-}
 
-/// m: between the hip joints.
-fn middle(body: &Body, place: &dyn Fn(usize) -> DVec3) -> DVec3 {
-    let [left, right] = Side::BOTH.map(|side| place(body.joint(leg_roles(side)[0]).unwrap_or(0)));
-    (left + right) * 0.5
-}
+    #[test]
+    fn a_foot_that_shivers_in_its_stance_is_held_and_let_go_gently() {
+        let body = fixture::body();
+        let clip = capture(&body, 60, |frame, pose| {
+            // It sways by 2 cm on feet that go with it, then walks off in the air.
+            pose.hips.x += 0.004 * (frame as f64 * 0.2).sin();
+            pose.hips.y += if frame > 40 { 0.02 * (frame - 40) as f64 } else { 0.0 };
+        });
+        let out = retarget(&clip, &other_body());
+        let ankle = out.body.feet[0].ankle;
+        let first = out.at(0)[ankle];
+        for frame in 0..38 {
+            assert!(out.at(frame)[ankle].distance(first) < 1e-9, "frame {frame}");
+        }
+        for frame in 1..60 {
+            let step = out.at(frame)[ankle].distance(out.at(frame - 1)[ankle]);
+            assert!(step < 0.05, "frame {frame}: {step} m");
+        }
+        assert!(lowest(&out, 59, Side::Left) > 0.3, "it flies");
+    }
 
-/// Where the knee goes: as it points in the source, for what it bends more to the front of the thigh, and never behind it.
-fn pole(thigh: DVec3, shank: DVec3, target: DVec3, front: DVec3) -> DVec3 {
-    let axis = (thigh + shank).normalize_or(DVec3::NEG_Y);
-    let aside = |vector: DVec3| vector - axis * vector.dot(axis);
-    let (now, front) = (aside(thigh), aside(front).normalize_or_zero());
-    let (upper, lower) = (thigh.length(), shank.length());
-    let distance = target.length().clamp((upper - lower).abs() + 1e-6, (upper + lower).max(2e-6));
-    let along = (upper * upper - lower * lower + distance * distance) / (2.0 * distance);
-    let then = (upper * upper - along * along).max(0.0).sqrt();
-    let behind = (-now.dot(front)).max(0.0);
-    now + front * ((then - now.length()).max(1e-9) + 2.0 * behind)
+    #[test]
+    fn a_spine_of_three_shares_what_a_spine_of_two_bends() {
+        let body = fixture::body();
+        let mut other = body.clone();
+        let chest = body.joint(Role::Chest).expect("a chest");
+        let rest = body.joints[chest].rest + DVec3::Y * 0.1;
+        let upper = BodyJoint { role: Role::UpperChest, parent: Some(chest), rest, animated: true };
+        other.joints.insert(chest + 1, upper);
+        for joint in other.joints.iter_mut().skip(chest + 2) {
+            joint.parent = joint.parent.map(|parent| parent + usize::from(parent >= chest));
+        }
+        other.feet.iter_mut().for_each(|foot| {
+            foot.ankle += 1;
+            foot.toe = foot.toe.map(|toe| toe + 1);
+        });
+        let above: Vec<usize> = (chest..body.joints.len())
+            .filter(|joint| !body.joints[*joint].role.name().contains("Leg"))
+            .filter(|joint| !["Foot", "Toes"].iter().any(|part| body.joints[*joint].role.name().contains(part)))
+            .collect();
+        let clip = capture(&body, 4, |_, pose| {
+            above.iter().for_each(|joint| pose.turns[*joint] = DQuat::from_rotation_x(0.6));
+        });
+        let out = retarget(&clip, &other);
+        let bend = |role: Role| {
+            let turn = out.turns_at(2)[out.body.joint(role).expect("a spine")];
+            turn.to_scaled_axis().x
+        };
+        assert!((bend(Role::UpperChest) - 0.6).abs() < 1e-9 && (bend(Role::Head) - 0.6).abs() < 1e-9);
+        assert!(bend(Role::Chest) > 0.3 && bend(Role::Chest) < 0.6, "{}", bend(Role::Chest));
+        assert!(bend(Role::Spine) >= 0.0 && bend(Role::Spine) < 0.2, "{}", bend(Role::Spine));
+    }
+
+    #[test]
+    fn a_walk_on_the_spot_is_told_from_one_that_gets_somewhere() {
+        let body = fixture::body();
+        // Both feet go back at 1 m/s under hips that stay: a belt.
+        let clip = capture(&body, 20, |frame, pose| pose.hips.z -= frame as f64 / 30.0);
+        let mut stays = clip.clone();
+        let joints = body.joints.len();
+        for (index, place) in stays.positions.iter_mut().enumerate() {
+            if index % joints == 0 {
+                place.z += (index / joints) as f64 / 30.0;
+            }
+        }
+        let found = belt(&stays).expect("a belt");
+        assert!((found - DVec3::NEG_Z).length() < 1e-6, "{found}");
+        assert_eq!(belt(&clip), None, "a slide of the whole body is none");
+        assert_eq!(belt(&capture(&body, 20, |_, _| {})), None);
+    }
+
+    #[test]
+    fn nothing_of_no_sense_panics() {
+        let (body, other) = (fixture::body(), other_body());
+        assert_eq!(retarget(&capture(&body, 0, |_, _| {}), &other).frames(), 0);
+        assert_eq!(retarget(&capture(&body, 1, |_, _| {}), &other).frames(), 1);
+        let mut broken = capture(&body, 9, |_, _| {});
+        broken.turns[40] = DQuat::from_xyzw(f64::NAN, 0.0, 0.0, 1.0);
+        broken.positions[60] = DVec3::INFINITY;
+        retarget(&broken, &other);
+        let mut flat = other.clone();
+        flat.joints.iter_mut().for_each(|joint| joint.rest = DVec3::ZERO);
+        flat.leg_length = 0.0;
+        let clip = capture(&body, 9, |frame, pose| pose.hips.y += 0.01 * frame as f64);
+        retarget(&clip, &flat);
+        let planted = |side, start, end| Planted { side, start, end };
+        let told = [planted(Side::Left, 2, 6), planted(Side::Left, 4, 90), planted(Side::Right, 70, 80)];
+        retarget_with(&clip, &other, &told);
+    }
 }

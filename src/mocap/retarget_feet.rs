@@ -4,17 +4,23 @@
 //! the flat sole lies level and still, the toes stay where the ball bears, the ankle goes as the foot rolls over heel and ball. What a
 //! stance changes is carried out of it and into the next as an offset that dies away with its own speed. Moves no legs.
 
-use super::retarget_planted::{Planted, Sole, SourceFeet, Stance};
+use super::retarget_planted::{Planted, SWIVELS, Sole, SourceFeet, Stance};
 use super::retarget_turns::rest_frames;
 use crate::maths::quat::{rotation_vector, yaw_of};
 use crate::model::report::Part;
-use crate::model::{Body, Side};
+use crate::model::{Body, Capture, Side};
 use glam::{DQuat, DVec3};
 
 /// s, at a leg of 0.83 m: how long an offset lasts before and after a stance.
 const BLEND: f64 = 0.15;
-/// rad: a foot that turns more on the spot is let turn.
-const SWIVELS: f64 = 0.25;
+/// Of the source's leg: a foot that is higher over the ground may be pitched as it likes.
+const NEAR: f64 = 0.18;
+/// m at a leg of 0.83 m: a foot lower than that over the ground is placed by its sole, one over the second swings as its leg does.
+const FREE: (f64, f64) = (0.02, 0.1);
+/// Of the source's clearance: a swinging foot keeps that much at least.
+const SHARE: f64 = 0.3;
+/// Of the leg: over so much a swing's height goes over to its least.
+const SOFT: f64 = 0.03;
 /// rad: a sole that is tilted more than that while it stands flat stands on something else.
 const TILTED: f64 = 0.26;
 
@@ -27,21 +33,30 @@ pub(super) struct FootPlan {
     pub height: Vec<f64>,
     /// 1 in a stance, 0 far from one.
     pub bears: Vec<f64>,
+    /// (frames) how much a swing is the leg's own matter: 1 well over the ground; and m, how low its ankle may come then.
+    free: Vec<(f64, f64)>,
     spans: Vec<(usize, usize)>,
     ways: Vec<Vec<DVec3>>,
     blend: usize,
+    soft: f64,
 }
 
 impl FootPlan {
-    /// Plans one foot. `raw`: (frames) the target's turns of foot and toes as the source has them; `scale` is the target's size.
-    pub fn new(body: &Body, side: Side, raw: &[[DQuat; 2]], source: &SourceFeet, scale: f64, fps: f64) -> FootPlan {
+    /// Plans one foot. `raw`: (frames) the target's turns of foot and toes as the source has them.
+    pub fn new(capture: &Capture, body: &Body, side: Side, raw: &[[DQuat; 2]], source: &SourceFeet) -> FootPlan {
         let sole = Sole::of(body, side);
+        let (scale, fps) = (body.leg_length / capture.body.leg_length.max(1e-6), capture.fps);
         let stances: Vec<&Stance> = source.stances.iter().filter(|stance| stance.planted.side == side).collect();
         let spans: Vec<(usize, usize)> =
             stances.iter().map(|stance| (stance.planted.start, stance.planted.end)).collect();
         let tempo = (body.leg_length / 0.83).max(0.01).sqrt();
         let blend = ((BLEND * tempo * fps).round() as usize).max(2);
-        let turns = held_turns(body, side, raw, &stances, blend);
+        let turns = if body.joints[body.feet[side as usize].ankle].animated {
+            let raw = gentler(&capture.body, body, side, raw, &source.clearance[side as usize]);
+            held_turns(body, side, &raw, &stances, blend)
+        } else {
+            raw.to_vec()
+        };
         let ways = stances
             .iter()
             .map(|stance| {
@@ -52,26 +67,40 @@ impl FootPlan {
             .collect();
         // The lowest point over the floor: as the source's, but exactly on the ground in a stance.
         let least = stances.iter().map(|stance| stance.height).fold(0.0, f64::min);
-        let clearance: Vec<f64> =
-            source.clearance[side as usize].iter().map(|over| scale * over.max(least)).collect();
+        let own: Vec<f64> = (source.clearance[side as usize].iter().zip(&turns))
+            .map(|(over, turn)| scale * over.max(least) - sole.lowest(turn[0], turn[1]))
+            .collect();
         let offsets: Vec<Vec<DVec3>> = stances
             .iter()
             .map(|stance| {
-                let Planted { start, end, .. } = stance.planted;
-                (start..=end).map(|frame| DVec3::Y * (scale * stance.height - clearance[frame])).collect()
+                let frames = (stance.planted.start..=stance.planted.end).zip(&stance.parts);
+                let stands = |frame: usize, part: Part| {
+                    scale * stance.height + sole.standing(part, turns[frame][0], turns[frame][1])
+                };
+                frames.map(|(frame, part)| DVec3::Y * (stands(frame, *part) - own[frame])).collect()
             })
             .collect();
         let lifted = carried(raw.len(), &spans, &offsets, blend);
+        let bears = bearing(raw.len(), &spans, blend);
         let height = (0..raw.len())
             .map(|frame| {
-                let over = (clearance[frame] + lifted[frame].y).max(scale * least);
-                over - sole.lowest(turns[frame][0], turns[frame][1])
+                let lowest = scale * least - sole.lowest(turns[frame][0], turns[frame][1]);
+                let height = own[frame] + lifted[frame].y;
+                if bears[frame] < 1.0 { height.max(lowest) } else { height }
             })
             .collect();
-        FootPlan { turns, height, bears: bearing(raw.len(), &spans, blend), spans, ways, blend }
+        let free = (source.clearance[side as usize].iter().zip(&turns).zip(&bears))
+            .map(|((over, turn), bears)| {
+                let size = capture.body.leg_length / 0.83;
+                let u = ((over / size - FREE.0) / (FREE.1 - FREE.0)).clamp(0.0, 1.0);
+                let least = scale * (least + SHARE * (over - least).max(0.0));
+                (u * u * (3.0 - 2.0 * u) * (1.0 - bears), least - sole.lowest(turn[0], turn[1]))
+            })
+            .collect();
+        FootPlan { turns, height, bears, free, spans, ways, blend, soft: SOFT * body.leg_length }
     }
 
-    /// m, (frames) where the ankle shall be: at its height, level where it would come by itself, but held in stances.
+    /// m, (frames) where the ankle shall be: at its height, well over the ground and level where it would come by itself, held in stances.
     pub fn ankles(&self, own: &[DVec3]) -> Vec<DVec3> {
         let offsets: Vec<Vec<DVec3>> = self
             .spans
@@ -87,10 +116,45 @@ impl FootPlan {
         let offsets = carried(own.len(), &self.spans, &offsets, self.blend);
         own.iter()
             .zip(offsets)
-            .zip(&self.height)
-            .map(|((own, offset), height)| DVec3::new(own.x + offset.x, *height, own.z + offset.z))
+            .enumerate()
+            .map(|(frame, (own, offset))| {
+                let (height, (free, least)) = (self.height[frame], self.free[frame]);
+                let swung = greater(own.y, least, self.soft);
+                DVec3::new(own.x + offset.x, height + (swung - height) * free, own.z + offset.z)
+            })
             .collect()
     }
+}
+
+/// The greater of two, without a corner.
+fn greater(one: f64, other: f64, soft: f64) -> f64 {
+    let near = (soft - (one - other).abs()).max(0.0);
+    one.max(other) + near * near / (4.0 * soft.max(1e-9))
+}
+
+/// Feet that are longer for their legs than the source's are pitched less near the ground: else a step would lift a short leg's ankle to its knee.
+fn gentler(source: &Body, body: &Body, side: Side, raw: &[[DQuat; 2]], clearance: &[f64]) -> Vec<[DQuat; 2]> {
+    let length = |body: &Body| {
+        let foot = &body.feet[side as usize];
+        (foot.tip - foot.heel) / body.leg_length.max(1e-6)
+    };
+    let longer = length(body) / length(source).max(1e-6);
+    if longer < 1.0 + 1e-6 {
+        return raw.to_vec();
+    }
+    let frame = rest_frames(body)[body.feet[side as usize].ankle];
+    let near = NEAR * source.leg_length;
+    raw.iter()
+        .zip(clearance)
+        .map(|([foot, toes], over)| {
+            let own = *foot * frame;
+            let pitch = (own * DVec3::Z).y.clamp(-1.0, 1.0).asin();
+            let gentle = (pitch.sin() / longer).asin();
+            let share = (-(over.max(0.0) / near).powi(2)).exp();
+            let back = DQuat::from_axis_angle(own * DVec3::X, (pitch - gentle) * share);
+            [(back * *foot).normalize(), (back * *toes).normalize()]
+        })
+        .collect()
 }
 
 /// Turns of foot and toes: level and still where the sole is flat, the toes also where the ball bears.
@@ -139,7 +203,8 @@ fn level(own: &[DQuat], parts: &[Part], of: usize) -> Option<Vec<DQuat>> {
     if of == 0 && mean(&|at| (own[at] * DVec3::Y).angle_between(DVec3::Y)) > TILTED {
         return None;
     }
-    let (low, high) = counted.iter().fold((f64::MAX, f64::MIN), |(low, high), at| (low.min(yaws[*at]), high.max(yaws[*at])));
+    let (low, high) =
+        counted.iter().fold((f64::MAX, f64::MIN), |(low, high), at| (low.min(yaws[*at]), high.max(yaws[*at])));
     let still = high - low < SWIVELS;
     let middle = mean(&|at| yaws[at]);
     Some(yaws.iter().map(|yaw| DQuat::from_rotation_y(first + if still { middle } else { *yaw })).collect())
@@ -176,10 +241,11 @@ fn carried(frames: usize, spans: &[(usize, usize)], offsets: &[Vec<DVec3>], blen
         // No speed may carry it farther off than it is.
         let bound = |speed: DVec3| speed.clamp_length_max(1.5 * from.1.distance(to.1) / length);
         let (start, end) = (bound(from.2) * length, bound(to.2) * length);
-        for frame in from.0 + 1..to.0.min(frames) {
+        let between = out.iter_mut().enumerate().take(to.0).skip(from.0 + 1);
+        for (frame, out) in between {
             let u = (frame - from.0) as f64 / length;
             let (u2, u3) = (u * u, u * u * u);
-            out[frame] = from.1 * (2.0 * u3 - 3.0 * u2 + 1.0)
+            *out = from.1 * (2.0 * u3 - 3.0 * u2 + 1.0)
                 + start * (u3 - 2.0 * u2 + u)
                 + to.1 * (3.0 * u2 - 2.0 * u3)
                 + end * (u3 - u2);

@@ -5,6 +5,7 @@
 //! itself (soles without a mesh are guesses). A foot that bears and yet slides is left alone: it may be meant, or a treadmill's.
 
 use super::retarget_turns::rest_frames;
+use crate::maths::quat::{wrap_angle, yaw_of};
 use crate::model::report::Part;
 use crate::model::{Body, Capture, Side};
 use glam::{DQuat, DVec3};
@@ -20,9 +21,17 @@ const GAP: f64 = 0.05;
 /// m: a stance that slides farther is none.
 const SLIDES: f64 = 0.12;
 /// rad: a foot that is pitched less stands flat; one that stands flat does so up to the second.
-const FLAT: (f64, f64) = (0.12, 0.18);
+const FLAT: (f64, f64) = (0.1, 0.13);
 /// m: a stance that is lower than that over the floor, or under it, stands on it.
-const SAME_FLOOR: f64 = 0.035;
+const SAME_FLOOR: f64 = 0.06;
+/// m: the feet's own floors differ by no more.
+const APART: f64 = 0.05;
+/// Of the height at which most slow feet are: another that is nearer to y = 0 needs so much to be the floor.
+const SUPPORT: f64 = 0.25;
+/// m: a sole may sink so much into the ground where a heel's rounding rolls.
+const HAIR: f64 = 0.0035;
+/// rad: a foot that turns more on the spot turns over its ball.
+pub(super) const SWIVELS: f64 = 0.25;
 
 /// A foot on the ground, in frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,6 +101,14 @@ impl<'a> Sole<'a> {
         if lowest.is_finite() { lowest } else { -shape.ankle_height }
     }
 
+    /// m, how high the ankle stands over the ground with that part of the sole on it. A heel rolls over its rounding: its point is held
+    /// as far as the sole sinks no more than a hair.
+    pub fn standing(&self, part: Part, foot: DQuat, toes: DQuat) -> f64 {
+        let lowest = -self.lowest(foot, toes);
+        let hair = HAIR * self.body.leg_length / 0.83;
+        if part == Part::Heel { (-(foot * self.heel).y).max(lowest - hair).min(lowest) } else { lowest }
+    }
+
     /// m, what a foot turns about, against the ankle: the heel, else the toe joint or, without one, the tip.
     pub fn pivot(&self, part: Part, foot: DQuat) -> DVec3 {
         match (part, self.toe) {
@@ -120,8 +137,13 @@ pub(super) fn source_feet(capture: &Capture, told: Option<&[Planted]>) -> Source
     let size = body.leg_length / 0.83;
     let tempo = size.max(0.0).sqrt();
     let reach = ((capture.fps / 60.0).round() as usize).max(1);
-    let mut found =
-        SourceFeet { floor: [0.0; 2], clearance: [vec![], vec![]], still: [vec![], vec![]], stances: vec![], slides: 0 };
+    let mut found = SourceFeet {
+        floor: [0.0; 2],
+        clearance: [vec![], vec![]],
+        still: [vec![], vec![]],
+        stances: vec![],
+        slides: 0,
+    };
     for side in Side::BOTH {
         let sole = Sole::of(body, side);
         let shape = &body.feet[side as usize];
@@ -146,9 +168,9 @@ pub(super) fn source_feet(capture: &Capture, told: Option<&[Planted]>) -> Source
         let floor = found.floor[side as usize];
         found.clearance[side as usize].iter_mut().for_each(|low| *low -= floor);
     }
-    let spans = match told {
-        Some(told) => told.iter().copied().filter(|planted| planted.start <= planted.end).collect(),
-        None => Side::BOTH.into_iter().flat_map(|side| spans(&found, side, capture.fps, size, tempo)).collect::<Vec<_>>(),
+    let spans: Vec<Planted> = match told {
+        Some(told) => merged(told),
+        None => Side::BOTH.into_iter().flat_map(|side| spans(&found, side, capture.fps, size, tempo)).collect(),
     };
     let frames_at_rest = rest_frames(body);
     for planted in spans {
@@ -186,25 +208,45 @@ fn floors(found: &SourceFeet, size: f64, tempo: f64) -> [f64; 2] {
     each.map(|mut heights| {
         heights.sort_by(f64::total_cmp);
         let own = if heights.len() * 8 >= both.len() { mode(&heights, width) } else { common };
-        if (own - common).abs() < 1.5 * SAME_FLOOR * size { own } else { common }
+        if (own - common).abs() < APART * size { own } else { common }
     })
 }
 
-/// The value around which most lie, of sorted ones.
+/// The value around which most lie, of sorted ones; of lower ones around which many lie, one that is nearer to 0.
 fn mode(sorted: &[f64], width: f64) -> f64 {
     let thinned: Vec<f64> = sorted.iter().copied().step_by(sorted.len().div_ceil(2000).max(1)).collect();
-    let mut best = (f64::MIN, 0.0);
-    for value in &thinned {
+    let around = |value: f64| {
         let near = thinned.iter().map(|other| ((other - value).abs(), other)).filter(|(off, _)| *off < width);
         let (weight, sum) = near.fold((0.0, 0.0), |(weight, sum), (off, other)| {
             let share = 1.0 - off / width;
             (weight + share, sum + share * other)
         });
-        if weight > best.0 + 1e-9 {
-            best = (weight, sum / weight);
+        (weight, sum / f64::max(weight, 1e-12))
+    };
+    let found: Vec<(f64, f64)> = thinned.iter().map(|value| around(*value)).collect();
+    let best = found.iter().copied().fold((0.0, 0.0), |best, next| if next.0 > best.0 + 1e-9 { next } else { best });
+    // Feet that hang still in a jump are over the floor, not on it.
+    let low = found
+        .iter()
+        .filter(|(weight, at)| *weight > SUPPORT * best.0 && *at < best.1 && at.abs() + 4.0 * width < best.1.abs());
+    low.copied()
+        .fold(None, |kept: Option<(f64, f64)>, next| kept.filter(|kept| kept.0 >= next.0).or(Some(next)))
+        .unwrap_or(best)
+        .1
+}
+
+/// Stances that touch made one, by foot and start.
+pub(super) fn merged(told: &[Planted]) -> Vec<Planted> {
+    let mut all: Vec<Planted> = told.iter().copied().filter(|one| one.start <= one.end).collect();
+    all.sort_by_key(|one| (one.side as usize, one.start, one.end));
+    all.dedup_by(|next, kept| {
+        let touches = next.side == kept.side && next.start <= kept.end.saturating_add(1);
+        if touches {
+            kept.end = kept.end.max(next.end);
         }
-    }
-    best.1
+        touches
+    });
+    all
 }
 
 /// When a foot bears.
@@ -252,6 +294,20 @@ fn stance(capture: &Capture, found: &SourceFeet, planted: Planted, rest: &[DQuat
             pitch if pitch < -flat => Part::Ball,
             _ => Part::Flat,
         });
+    }
+    // One that turns on the spot does so over its ball.
+    let mut at = 0;
+    while at < parts.len() {
+        let run = parts[at..].iter().take_while(|part| **part == parts[at]).count();
+        let yaws = (at..at + run).map(|at| yaw_of(capture.turns_at(planted.start + at)[ankle] * rest[ankle]));
+        let first = yaw_of(capture.turns_at(planted.start + at)[ankle] * rest[ankle]);
+        let (low, high) = yaws
+            .map(|yaw| wrap_angle(yaw - first))
+            .fold((0.0, 0.0), |(low, high): (f64, f64), yaw| (low.min(yaw), high.max(yaw)));
+        if parts[at] == Part::Flat && high - low > SWIVELS {
+            parts[at..at + run].fill(Part::Ball);
+        }
+        at += run;
     }
     let mut heights: Vec<f64> = range.map(|frame| found.clearance[planted.side as usize][frame]).collect();
     heights.sort_by(f64::total_cmp);

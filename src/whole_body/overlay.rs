@@ -10,17 +10,19 @@ use super::solve::{PoseTarget, STRAIGHTEST, Solver, knee_pole};
 use super::stand::natural_plants;
 use super::stand::{foot_yaw, stand_target};
 use crate::maths::curve::smooth3;
-use crate::maths::quat::limb_frame;
+use crate::maths::quat::{limb_frame, wrap_angle};
 use crate::maths::two_bone_ik::two_bone_ik;
 use crate::model::{Body, BodyPose, Side};
 use glam::{DQuat, DVec3};
 
 /// m: a knee that is off the line from hip to ankle by less than the first says nothing of where it points, by more than the second all.
-const OFF_LINE: [f64; 2] = [0.002, 0.006];
+const OFF_LINE: [f64; 2] = [0.0004, 0.0012];
 /// rad: a knee that bends by more than the clip's shows less of how the clip's points, and from how much more on the least.
 const FREELY: f64 = 0.05;
 /// rad.
 const FADES: f64 = 0.4;
+/// Part of the leg: a clip that uses more of it may lock its knee.
+const STRAIGHT: f64 = 0.995;
 /// The straightest leg that a base clip may show.
 const LOCKED: f64 = 0.99999;
 
@@ -101,10 +103,11 @@ impl Neutral {
 }
 
 impl BasePose {
-    /// Of a clip's pose: `positions` (m) and `turns` of all joints, the stand facing +Z.
-    pub fn of(body: &Body, anatomy: &Anatomy, pose: &BodyPose, positions: &[DVec3]) -> BasePose {
+    /// Of a clip's pose: `positions` (m) and `turns` of all joints; `facing` (rad): where the body faces that is posed so.
+    pub fn of(body: &Body, anatomy: &Anatomy, pose: &BodyPose, positions: &[DVec3], facing: f64) -> BasePose {
+        let back = DQuat::from_rotation_y(-facing);
         let mut base = BasePose {
-            turns: pose.turns.clone(),
+            turns: pose.turns.iter().map(|turn| if facing == 0.0 { *turn } else { back * *turn }).collect(),
             knees: [0.0; 2],
             bends: [(0.0, 1.0); 2],
             twists: [[DQuat::IDENTITY; 2]; 2],
@@ -113,7 +116,8 @@ impl BasePose {
         for side in Side::BOTH {
             let leg = &anatomy.legs[side as usize];
             let [hip, knee, ankle] = [leg.upper, leg.lower, leg.foot].map(|joint| positions[joint]);
-            let yaw = 0.65 * foot_yaw(body, side, pose.turns[leg.foot]);
+            let foot = foot_yaw(body, side, pose.turns[leg.foot]);
+            let yaw = facing + 0.65 * wrap_angle(foot - facing);
             let Some(axis) = (ankle - hip).try_normalize() else { continue };
             let square = |way: DVec3| way - axis * way.dot(axis);
             let Some(pole) = square(knee_pole(ankle - hip, yaw)).try_normalize() else { continue };
@@ -126,7 +130,7 @@ impl BasePose {
             let way = (own * (1.0 - told) + seen * told).try_normalize().unwrap_or(seen);
             base.knees[side as usize] = pole.cross(way).dot(axis).atan2(pole.dot(way));
             let stretch = (ankle - hip).length() / leg.length();
-            base.straightest[side as usize] = stretch.clamp(STRAIGHTEST, LOCKED);
+            base.straightest[side as usize] = if stretch > STRAIGHT { LOCKED } else { STRAIGHTEST };
             let chain =
                 two_bone_ik(hip, ankle, leg.thigh_length, leg.shank_length, way, base.straightest[side as usize]);
             base.bends[side as usize] = (chain.bend, told);
@@ -148,7 +152,7 @@ impl BasePose {
         BasePose {
             turns: self.turns.iter().zip(&other.turns).map(|(from, to)| from.slerp(*to, share)).collect(),
             knees: [0, 1].map(|side| {
-                let way = crate::maths::quat::wrap_angle(other.knees[side] - self.knees[side]);
+                let way = wrap_angle(other.knees[side] - self.knees[side]);
                 self.knees[side] + way * share
             }),
             bends: [0, 1].map(|side| {

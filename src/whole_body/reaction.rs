@@ -105,6 +105,7 @@ pub struct Reaction {
     alarm: f64,         // 0..1
     alarmed: f64,       // what it was a tick ago
     haste: Haste,
+    strides: f64,           // 1, or 0 where a base clip walks for it
     alarm_line: Vec<f64>,   // raw alarm of the last ticks, newest last
     fall: DVec2,            // smoothed direction of the fall (left, forward)
     arms: [[Spring; 3]; 2], // raise, abduct, elbow beyond the relaxed stand
@@ -130,6 +131,7 @@ impl Reaction {
             alarm: 0.0,
             alarmed: 0.0,
             haste: TOLD,
+            strides: 1.0,
             alarm_line: Vec::new(),
             fall: DVec2::ZERO,
             arms: Default::default(),
@@ -139,6 +141,11 @@ impl Reaction {
     /// The same, coming back to rest in so many times people's time.
     pub fn unhurried(self, times: f64) -> Self {
         Self { unhurried: times, ..self }
+    }
+
+    /// The same, over a base clip that walks: what a walk does to trunk, pelvis and arms is the clip's.
+    pub fn over_a_walk(self) -> Self {
+        Self { strides: 0.0, ..self }
     }
 
     /// From now on that heavy (kg): what it carries counts.
@@ -214,19 +221,19 @@ impl Reaction {
         let mut angles = [0.0; UPPER];
         angles[0] = lean.x;
         // Who crouches bends forwards.
-        angles[1] = lean.y + stride.lean + 0.5 * senses.crouched / self.physique.leg_length;
+        angles[1] = lean.y + stride.lean * self.strides + 0.5 * senses.crouched / self.physique.leg_length;
         angles[2] = self.head[0].x;
         angles[3] = self.head[1].x;
-        angles[4] = self.pelvis_yaw.x + stride.turn;
-        angles[5] = self.list.x;
+        angles[4] = (self.pelvis_yaw.x + stride.turn) * self.strides;
+        angles[5] = self.list.x * self.strides;
         angles[6] = senses.facing;
         for side in 0..2 {
             for joint in 0..3 {
                 angles[7 + side * 3 + joint] = self.arms[side][joint].x;
             }
             // An arm that is raised against a fall swings no more.
-            angles[7 + side * 3] += stride.arms[side] * (1.0 - self.alarm);
-            angles[9 + side * 3] += stride.elbows[side] * (1.0 - self.alarm);
+            angles[7 + side * 3] += stride.arms[side] * (1.0 - self.alarm) * self.strides;
+            angles[9 + side * 3] += stride.elbows[side] * (1.0 - self.alarm) * self.strides;
         }
         angles[13] = self.alarm;
         angles[14] = soft_limit(self.twist[0].x, 0.6);

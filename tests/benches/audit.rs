@@ -1,6 +1,7 @@
 //! What the audit says of clean clips, of planted faults and of measured forces, and what it costs, beside what is wanted of it.
 //!
-//! `cargo bench --bench audit` prints the table; `-v` after `--` adds each false event and each fault that was missed. The lab data are
+//! `cargo bench --bench audit` prints the table of the clips that may be tuned on; after `--`, `--held-out` adds the others (so that nobody
+//! looks at them by chance) and `-v` each false event and each fault that was missed. The lab data are
 //! third party's and stand beside the package (or where SUREFOOT_DATA points); without them it says so.
 
 #![expect(clippy::print_stdout, reason = "the table")]
@@ -24,6 +25,7 @@ fn main() {
         return long(Path::new(path));
     }
     let verbose = words.iter().any(|word| word == "-v");
+    let all = words.iter().any(|word| word == "--held-out");
     let data = std::env::var_os("SUREFOOT_DATA")
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
     if !data.is_dir() {
@@ -32,7 +34,7 @@ fn main() {
     }
     let (tuned, held) = clips(&data);
     let blind = Blind::fit(&walks(&tuned));
-    for (title, list) in [("TUNED ON", &tuned), ("HELD OUT", &held)] {
+    for (title, list) in [("TUNED ON", &tuned), ("HELD OUT", &held)].into_iter().take(1 + usize::from(all)) {
         println!("\n{title}: {} clips", list.len());
         cleans(list, verbose);
         planted(list, &blind, verbose);
@@ -78,6 +80,7 @@ fn planted(clips: &[Clip], blind: &Blind, verbose: bool) {
         let found = ask(&walks, &fault);
         row(&fault, &found, verbose);
         if fault.name.starts_with("swing") {
+            println!("    (counted is the flag of the foot that was sped up, at its own touchdown)");
             let without = blind.ask(&walks, &fault);
             let (ours, its) = blind.false_a_minute(&walks);
             println!(

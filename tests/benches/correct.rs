@@ -28,7 +28,7 @@ const FAULTS: [(&str, Plant); 9] = [
     ("plant 20 cm backward", |c, s| audit_faults::moved_plant(c, Way::Backward, 0.2, s)),
     ("plant 20 cm inward", |c, s| audit_faults::moved_plant(c, Way::Inward, 0.2, s)),
     ("plant 20 cm outward", |c, s| audit_faults::moved_plant(c, Way::Outward, 0.2, s)),
-    ("swing at double speed", audit_faults::fast_swing),
+    ("swing at double speed", |c, s| audit_faults::fast_swing(c, 2.0, s)),
     ("pelvis 25 cm aside", |c, s| audit_faults::moved_pelvis(c, 0.25, s)),
     ("lifted 6 cm", |c, s| audit_faults::lifted(c, 0.06, s)),
     ("sunk 6 cm", |c, s| audit_faults::lifted(c, -0.06, s)),

@@ -3,23 +3,31 @@
 //! A [`Base`] is a clip on the body that is baked, judged once: a stand (both feet stay) or a walk. [`stand`] lays a reaction over a
 //! stand. Scenario space: metres, the ground at 0, the clip's own place and heading. What runs, jumps or sits is refused.
 
+mod bearing;
 mod beside;
+mod cycle;
 mod error;
 mod foot;
+pub mod gait;
+mod hold;
+mod over;
 mod prepare;
 pub mod stand;
+pub mod walk;
 
 pub use beside::add;
 pub use error::error;
 pub use foot::FootOffset;
+pub use over::Over;
 pub use prepare::prepare;
 pub use stand::Stood;
+pub use walk::Walked;
 
 use crate::audit::contacts::footfalls;
 use crate::audit::track::Track;
-use crate::model::{BodyPose, Capture, Side};
-use crate::whole_body::{Anatomy, BasePose};
 use crate::maths::hull::{convex_hull, signed_distance};
+use crate::model::{Body, BodyPose, Capture, Side};
+use crate::whole_body::{Anatomy, BasePose};
 use glam::{DQuat, DVec2, DVec3};
 
 /// rad, mean over the joints: a clip whose last pose is this near to its first is a loop.
@@ -35,6 +43,8 @@ pub struct Base {
     pub name: String,
     /// Frames a second.
     pub fps: f64,
+    /// It lifts its feet: a walk, or nothing that can be a base.
+    pub walks: bool,
     /// It begins again where it ends.
     pub loops: bool,
     /// Its index among the clips of the rig that is baked, where it is one of them.
@@ -82,9 +92,7 @@ impl Base {
         let frames: Vec<BaseFrame> = (0..capture.frames())
             .map(|frame| {
                 let pose = BodyPose { hips: capture.at(frame)[0], turns: capture.turns_at(frame).to_vec() };
-                let positions = pose.positions(body);
-                let base = BasePose::of(body, &anatomy, &pose, &positions);
-                BaseFrame { com: pose.centre_of_mass(body, &positions), base, pose }
+                BaseFrame::of(body, &anatomy, pose, 0.0)
             })
             .collect();
         let apart = |from: &BodyPose, to: &BodyPose| {
@@ -92,21 +100,27 @@ impl Base {
             off / from.turns.len().max(1) as f64
         };
         let loops = frames.len() > 2 && apart(&frames[0].pose, &frames[frames.len() - 1].pose) < LOOPS;
-        let mut base = Base { name: capture.name.clone(), fps: capture.fps, loops, own: None, notes: Vec::new(), frames };
-        base.judge(capture)?;
+        let mut base = Base {
+            name: capture.name.clone(),
+            fps: capture.fps,
+            loops,
+            walks: false,
+            own: None,
+            notes: Vec::new(),
+            frames,
+        };
+        base.walks = base.judge(capture)?;
         Ok(base)
     }
 
-    /// A stand keeps both feet on the ground from end to end, and its centre of mass over them.
-    fn judge(&mut self, capture: &Capture) -> Result<(), BaseError> {
+    /// Whether it lifts its feet. A stand keeps both on the ground from end to end, and its centre of mass over them.
+    fn judge(&self, capture: &Capture) -> Result<bool, BaseError> {
         let track = Track::new(capture);
         let feet = footfalls(&track);
         let unfit = |what: String| Err(BaseError::Unfit { name: self.name.clone(), what });
         for side in Side::BOTH {
-            let off = feet.of[side as usize].iter().position(Option::is_none);
-            if let Some(frame) = off {
-                let side = if side == Side::Left { "left" } else { "right" };
-                return unfit(format!("lifts its {side} foot at frame {frame}"));
+            if feet.of[side as usize].contains(&None) {
+                return Ok(true);
             }
         }
         let size = track.size();
@@ -121,7 +135,7 @@ impl Base {
             let far = out(worst) * 100.0;
             return unfit(format!("has its centre of mass {far:.0} cm out of its feet at frame {worst}"));
         }
-        Ok(())
+        Ok(false)
     }
 
     /// s, from its first frame to its last.
@@ -153,19 +167,36 @@ impl Base {
         if share == 0.0 {
             return from.clone();
         }
-        BaseFrame {
-            pose: BodyPose {
-                hips: from.pose.hips.lerp(to.pose.hips, share),
-                turns: slerped(&from.pose.turns, &to.pose.turns, share),
-            },
-            com: from.com.lerp(to.com, share),
-            base: from.base.between(&to.base, share),
-        }
+        from.between(to, share)
     }
 
     /// All its frames.
     pub fn frames(&self) -> &[BaseFrame] {
         &self.frames
+    }
+}
+
+impl BaseFrame {
+    /// Of a pose.
+    pub(super) fn of(body: &Body, anatomy: &Anatomy, pose: BodyPose, facing: f64) -> BaseFrame {
+        let positions = pose.positions(body);
+        let base = BasePose::of(body, anatomy, &pose, &positions, facing);
+        BaseFrame { com: pose.centre_of_mass(body, &positions), base, pose }
+    }
+
+    /// Between two of them.
+    pub(super) fn between(&self, to: &BaseFrame, share: f64) -> BaseFrame {
+        if share <= 0.0 {
+            return self.clone();
+        }
+        BaseFrame {
+            pose: BodyPose {
+                hips: self.pose.hips.lerp(to.pose.hips, share),
+                turns: slerped(&self.pose.turns, &to.pose.turns, share),
+            },
+            com: self.com.lerp(to.com, share),
+            base: self.base.between(&to.base, share),
+        }
     }
 }
 

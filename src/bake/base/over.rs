@@ -1,0 +1,133 @@
+//! The base clip under a reaction, whichever kind it is.
+
+use super::{Base, BaseError, BaseFrame, Stood, Walked};
+use crate::model::scenario::{GroundKind, Scenario};
+use crate::model::{Body, Plant};
+use crate::stepper::Step;
+use crate::whole_body::reaction::UpperAngles;
+use crate::whole_body::{Anatomy, BasePose, Neutral};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// A base clip that is laid under a reaction.
+#[derive(Clone, Debug)]
+pub enum Over {
+    /// One that stands.
+    Stand(Stood),
+    /// One that walks.
+    Walk(Walked),
+}
+
+impl Over {
+    /// Measures a clip for a bake of a scenario.
+    pub fn new(base: &Arc<Base>, body: &Body, anatomy: &Anatomy, scenario: &Scenario) -> Result<Over, BaseError> {
+        if !base.walks {
+            return Stood::new(base.clone(), body, anatomy).map(Over::Stand);
+        }
+        let busy = [
+            (!scenario.walk.is_empty(), "[[walk]]"),
+            (!scenario.turn.is_empty(), "[[turn]]"),
+            (!scenario.stand.is_empty(), "[[stand]]"),
+            (!scenario.crouch.is_empty(), "[[crouch]]"),
+            (!scenario.throw.is_empty(), "[[throw]]"),
+            (!scenario.carry.is_empty(), "[[carry]]"),
+            (scenario.ground.kind != GroundKind::Flat, "[ground] that is not flat"),
+        ];
+        if let Some((_, part)) = busy.iter().find(|(is, _)| *is) {
+            let what = format!("walks, and over a walk {part} is not played: pushes and pulls are");
+            return Err(BaseError::Unfit { name: base.name.clone(), what });
+        }
+        Walked::new(base.clone(), body, anatomy, scenario.duration).map(Over::Walk)
+    }
+
+    /// How much of the reaction is left at a time: `busy` (s) is when the last landing and the last disturbance are over.
+    pub fn left(&self, time: f64, busy: f64, end: f64) -> f64 {
+        match self {
+            Over::Stand(_) => super::stand::left_over(time, busy, end),
+            Over::Walk(walked) => walked.left_over(time),
+        }
+    }
+
+    /// Lays the path of the centre of mass and the upper body's angles over the clip. `ground`: plants at first, steps, and the facing at
+    /// the end, rad.
+    pub fn lay(
+        &self,
+        com: &mut Vec<DVec3>,
+        upper: &mut [UpperAngles],
+        left: &[f64],
+        dt: f64,
+        (start, steps, facing): (&[Plant; 2], &[Step], f64),
+    ) {
+        match self {
+            Over::Stand(stood) => {
+                let last = com[com.len() - 1];
+                let off = (stood.rests(start, steps, facing) - last) * DVec3::new(1.0, 0.0, 1.0);
+                for (index, com) in com.iter_mut().enumerate() {
+                    *com += stood.sway(index as f64 * dt) + off * (1.0 - left[index]);
+                }
+                for (angles, left) in upper.iter_mut().zip(left) {
+                    scale(angles, *left);
+                }
+            }
+            Over::Walk(walked) => {
+                *com = walked.path(com, dt);
+                for (index, angles) in upper.iter_mut().enumerate() {
+                    scale(angles, walked.shows(index as f64 * dt));
+                }
+            }
+        }
+    }
+
+    /// What a reaction is measured from.
+    pub fn neutral(&self) -> &Neutral {
+        match self {
+            Over::Stand(stood) => &stood.neutral,
+            Over::Walk(walked) => &walked.neutral,
+        }
+    }
+
+    /// What is laid under the reaction at a time, s.
+    pub fn pose(&self, time: f64) -> BasePose {
+        match self {
+            Over::Stand(stood) => stood.pose(time),
+            Over::Walk(walked) => walked.pose(time),
+        }
+    }
+
+    /// The clip's own frame then.
+    pub fn frame(&self, time: f64) -> BaseFrame {
+        match self {
+            Over::Stand(stood) => stood.base.at(time),
+            Over::Walk(walked) => walked.frame(time),
+        }
+    }
+
+    /// The clip.
+    pub fn base(&self) -> &super::Base {
+        match self {
+            Over::Stand(stood) => &stood.base,
+            Over::Walk(walked) => &walked.base,
+        }
+    }
+
+    /// How far out a leg reaches in the clip, in leg lengths.
+    pub fn reach(&self, side: crate::model::Side) -> f64 {
+        match self {
+            Over::Stand(stood) => stood.reach[side as usize],
+            Over::Walk(walked) => walked.gait.reach[side as usize],
+        }
+    }
+
+    /// Sentences for a person.
+    pub fn notes(&self) -> &[String] {
+        match self {
+            Over::Stand(stood) => &stood.notes,
+            Over::Walk(walked) => &walked.notes,
+        }
+    }
+}
+
+/// All but where it faces.
+fn scale(angles: &mut UpperAngles, by: f64) {
+    angles.iter_mut().enumerate().filter(|(entry, _)| *entry != 6).for_each(|(_, angle)| *angle *= by);
+}
