@@ -17,6 +17,8 @@ mod audit_forces;
 mod audit_grid;
 /// Base clips: stands and walks that a reaction starts from and returns to.
 mod base;
+/// Baked shoves beside the hand-keyed hits of the same rig; draws them where it is told to.
+mod beside;
 /// Height, masses and soles of real rigs and of the built-in one.
 mod bodies;
 /// The program at the shell: exit codes, words, files.
@@ -68,6 +70,8 @@ mod retarget_cli;
 mod retarget_grid;
 /// Rigs made from others or from nothing: scales, axes, skins, naming conventions, lacking bones, overrides.
 mod rig_variants;
+/// What trunk, head and arms do of a push: delays, where it struck, mirror images, seeds, breath.
+mod reaction;
 /// Real rigs: bones, height, heading, unit.
 mod rigs;
 /// Soles in plan: apart and uncrossed.
