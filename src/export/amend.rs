@@ -284,10 +284,11 @@ fn put(animation: &mut Value, node: usize, property: u8, curve: &RawKeys, keys: 
     }
 }
 
-/// Divides the times of every sampler.
+/// Divides the times of every sampler; a spline's tangents are a second, and grow.
 fn play_faster(document: &Document, animation: &mut Value, speed: f64, keys: &mut Keys) -> Result<(), ExportError> {
     let fault = |reason: String| ExportError::Document { reason };
     let mut made: BTreeMap<usize, usize> = BTreeMap::new();
+    let mut steeper: BTreeMap<usize, usize> = BTreeMap::new();
     let Some(fields) = animation.as_object_mut() else { return Ok(()) };
     for sampler in list(fields, "samplers") {
         let Some(input) = sampler["input"].as_u64().and_then(|input| usize::try_from(input).ok()) else { continue };
@@ -310,6 +311,39 @@ fn play_faster(document: &Document, animation: &mut Value, speed: f64, keys: &mu
             }
         };
         sampler["input"] = accessor.into();
+        if sampler["interpolation"] != "CUBICSPLINE" {
+            continue;
+        }
+        let Some(output) = sampler["output"].as_u64().and_then(|output| usize::try_from(output).ok()) else { continue };
+        if let Some(accessor) = steeper.get(&output) {
+            sampler["output"] = (*accessor).into();
+            continue;
+        }
+        let (mut values, kind) = match output.checked_sub(keys.first) {
+            Some(own) => (keys.numbers_of(own), keys.accessors[own]["type"].clone()),
+            None => {
+                let read = document
+                    .read_f32s(output, "a clip's values")
+                    .map_err(|error| fault(error.in_file("the document").to_string()))?;
+                (read.values, document.json["accessors"][output]["type"].clone())
+            }
+        };
+        let (kind, width) = match kind.as_str() {
+            Some("VEC4") => ("VEC4", 4),
+            Some("SCALAR") => ("SCALAR", 1),
+            _ => ("VEC3", 3),
+        };
+        // In-tangent, value, out-tangent; of a scalar (weights) it is not said how many go together.
+        if width > 1 {
+            for key in values.chunks_mut(3 * width).filter(|key| key.len() == 3 * width) {
+                let (before, rest) = key.split_at_mut(width);
+                let after = &mut rest[width..];
+                before.iter_mut().chain(after).for_each(|part| *part = (f64::from(*part) * speed) as f32);
+            }
+        }
+        let accessor = keys.accessor(kind, &values, width);
+        steeper.insert(output, accessor);
+        sampler["output"] = accessor.into();
     }
     Ok(())
 }
@@ -319,7 +353,12 @@ impl Keys {
     fn numbers_of(&self, own: usize) -> Vec<f32> {
         let accessor = &self.accessors[own];
         let at = self.start + accessor["byteOffset"].as_u64().unwrap_or(0) as usize;
-        let count = accessor["count"].as_u64().unwrap_or(0) as usize;
+        let width = match accessor["type"].as_str() {
+            Some("VEC4") => 4,
+            Some("VEC3") => 3,
+            _ => 1,
+        };
+        let count = width * accessor["count"].as_u64().unwrap_or(0) as usize;
         let bytes = self.buffer.bytes.get(at..at + 4 * count).unwrap_or(&[]);
         bytes.chunks_exact(4).map(|raw| f32::from_le_bytes([raw[0], raw[1], raw[2], raw[3]])).collect()
     }
