@@ -30,6 +30,8 @@ mod common;
 mod correct;
 /// What a corrected clip that was baked here tells of itself.
 mod correct_told;
+/// What stands beside a clip for an engine: written whole, run where it can be.
+mod engines;
 /// Baked files: the source kept whole, read again, by the Khronos validator, three.js.
 mod export;
 /// The same for rigs that nobody here made: slip, keys, the Khronos validator.
@@ -38,6 +40,8 @@ mod export_real;
 mod ground;
 /// Files that are broken, malicious or of another kind.
 mod hostile;
+/// How few keys a clip needs, its bytes, and readers that drop tangents.
+mod keys;
 /// Balls, boxes, and how long a recovery takes.
 mod lanes;
 /// Legs of any length.
@@ -78,6 +82,10 @@ mod stances;
 mod stepper;
 /// Rigs and motions made by hand for the modules above.
 mod synthetic;
+/// VRM animations: the specification, the same pose, read back.
+mod vrma;
+/// The same on characters, for three-vrm.
+mod vrma_play;
 /// The scenarios of walks.
 mod walk_grid;
 /// Walking: speeds, the paper's cases, pushes, turns, sizes.

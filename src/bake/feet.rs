@@ -9,7 +9,7 @@ use super::clearance::{self, Raise};
 use super::contacts::FootContact;
 use super::feet_based::Based;
 use super::swing::{Extra, Swing};
-use crate::maths::curve::{bump, sample, smooth3, trapezoid};
+use crate::maths::curve::{bump, smooth3, trapezoid};
 use crate::maths::quat::wrap_angle;
 use crate::model::scenario::GroundKind;
 use crate::model::{Body, Side, Terrain, report::Part};
