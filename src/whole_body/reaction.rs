@@ -71,21 +71,6 @@ const SHOULDER: f64 = 0.18;
 /// What the pelvis takes of the trunk's lean, left and forward.
 const PELVIS_SHARE: [f64; 2] = [0.30, 0.38];
 
-/// How a body comes to throw its arms up: times of people at 0.96 m of the centre of mass.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Haste {
-    delay: f64,  // s, until it knows
-    attack: f64, // s, until the alarm is up
-    throw: f64,  // 1/s, the speed that an arm starts with, for each part of its way
-    size: f64,   // of how far it goes without that speed
-    trunk: f64,  // what a push at the chest does to the trunk
-}
-
-/// With the delay of neck and shoulders: the arms are seen to move 0.2 s after a shove of 60 Ns began.
-const PROMPT: Haste = Haste { delay: 0.09, attack: 0.06, throw: 3.0, size: 0.92, trunk: 5.2 };
-/// As the arms of an articulated body are tuned to be told.
-const TOLD: Haste = Haste { delay: 0.12, attack: 0.07, throw: 0.0, size: 1.0, trunk: 5.2 };
-
 /// Memory of the reaction.
 #[derive(Clone, Debug)]
 pub struct Reaction {
@@ -93,18 +78,16 @@ pub struct Reaction {
     personality: Personality,
     arms_dial: f64,
     unhurried: f64,
-    lean: [Spring; 2],  // sideways (left positive), forwards
-    head: [Spring; 2],  // what the head keeps of it
-    pelvis_yaw: Spring, // relative to facing, left positive
-    list: Spring,       // pelvis drop on the right positive
-    tuck: [Spring; 2],  // lean of the pelvis by pushes on it
-    twist: [Spring; 2], // of chest and pelvis by pushes, left positive
-    stride: Stride,     // what walking adds
-    walked: f64,        // 0..1, walks or did until a moment ago
-    shoved: f64,        // m/s that pushes gave, fading
-    alarm: f64,         // 0..1
-    alarmed: f64,       // what it was a tick ago
-    haste: Haste,
+    lean: [Spring; 2],      // sideways (left positive), forwards
+    head: [Spring; 2],      // what the head keeps of it
+    pelvis_yaw: Spring,     // relative to facing, left positive
+    list: Spring,           // pelvis drop on the right positive
+    tuck: [Spring; 2],      // lean of the pelvis by pushes on it
+    twist: [Spring; 2],     // of chest and pelvis by pushes, left positive
+    stride: Stride,         // what walking adds
+    walked: f64,            // 0..1, walks or did until a moment ago
+    shoved: f64,            // m/s that pushes gave, fading
+    alarm: f64,             // 0..1
     strides: f64,           // 1, or 0 where a base clip walks for it
     alarm_line: Vec<f64>,   // raw alarm of the last ticks, newest last
     fall: DVec2,            // smoothed direction of the fall (left, forward)
@@ -129,8 +112,6 @@ impl Reaction {
             walked: 0.0,
             shoved: 0.0,
             alarm: 0.0,
-            alarmed: 0.0,
-            haste: TOLD,
             strides: 1.0,
             alarm_line: Vec::new(),
             fall: DVec2::ZERO,
@@ -163,16 +144,11 @@ impl Reaction {
         let moment = senses.push_moment;
         let (sin, cos) = senses.facing.sin_cos();
         let tipping = DVec2::new(-moment.z * cos - moment.x * sin, -moment.z * sin + moment.x * cos);
-        self.advance(senses, &Struck { tipping, ..Struck::default() }, dt)
+        self.tick_struck(senses, &Struck { tipping, ..Struck::default() }, dt)
     }
 
-    /// The same, where it is known what part of the body a push takes hold of, and nothing is in the way of the arms.
+    /// The same, where it is known what part of the body a push takes hold of.
     pub fn tick_struck(&mut self, senses: &Senses, struck: &Struck, dt: f64) -> UpperAngles {
-        self.haste = PROMPT;
-        self.advance(senses, struck, dt)
-    }
-
-    fn advance(&mut self, senses: &Senses, struck: &Struck, dt: f64) -> UpperAngles {
         let scale = (self.physique.com_height / 0.96).sqrt(); // times are for a centre of mass at 0.96 m
         let length = self.physique.com_height / 0.96;
         let local = |world: DVec3| {
@@ -190,7 +166,7 @@ impl Reaction {
         let gain = 1.0 + 0.08 * self.personality.trunk_gain;
         let trunk_omega = TAU * 1.35 / scale;
         let (head, hips) = (struck.head / mass, struck.hips / mass);
-        let drive = ((push * 0.2 + tipping * 0.8) * self.haste.trunk - hips * 4.0 - ground * 1.2) * gain / length;
+        let drive = ((push * 0.2 + tipping * 0.8) * 5.2 - hips * 4.0 - ground * 1.2) * gain / length;
         for axis in 0..2 {
             self.lean[axis].v += drive[axis] * dt;
             self.lean[axis].step(0.0, trunk_omega, 0.5, dt);
@@ -289,10 +265,10 @@ impl Reaction {
         let pace = (GRAVITY * self.physique.com_height).sqrt();
         let raw = raw * (self.shoved / (0.05 * pace)).min(1.0).max(1.0 - self.walked);
         self.alarm_line.push(raw);
-        let delay = ((self.haste.delay + 0.02 * self.personality.arms_delay) * scale / dt).round() as usize;
+        let delay = ((0.12 + 0.02 * self.personality.arms_delay) * scale / dt).round() as usize;
         let heard =
             if self.alarm_line.len() > delay { self.alarm_line[self.alarm_line.len() - 1 - delay] } else { 0.0 };
-        let time = if heard > self.alarm { self.haste.attack } else { 0.40 * self.unhurried } * scale;
+        let time = if heard > self.alarm { 0.07 } else { 0.40 * self.unhurried } * scale;
         self.alarm += (heard - self.alarm) * (1.0 - (-dt / time).exp());
         if raw > 0.0 {
             let towards = off.normalize_or_zero();
@@ -305,8 +281,6 @@ impl Reaction {
         let aside = self.fall.x.abs();
         let sum = (back + forth + aside).max(1e-6);
         let dial = self.arms_dial * 2.0 * (1.0 + 0.12 * self.personality.arms_gain);
-        let thrown = (self.alarm - self.alarmed).max(0.0) * self.haste.throw / scale;
-        self.alarmed = self.alarm;
         let omega = TAU * (1.05 / self.unhurried.sqrt() + 0.75 * self.alarm) / scale;
         for side in Side::BOTH {
             // Far: the arm on the side that the body falls away from. It goes higher.
@@ -319,9 +293,7 @@ impl Reaction {
                 let sideways = if far > 0.0 { aside_far[joint] } else { aside_near[joint] };
                 let degrees =
                     ([40.0, 30.0, 26.0][joint] * back + [16.0, 26.0, 34.0][joint] * forth + sideways * aside) / sum;
-                let whole = degrees.to_radians() * dial * uneven * self.haste.size;
-                target[joint] = whole * self.alarm;
-                self.arms[side as usize][joint].v += whole * thrown;
+                target[joint] = degrees.to_radians() * self.alarm * dial * uneven;
             }
             target[2] *= 1.0 + 0.15 * self.personality.elbow;
             let springs = &mut self.arms[side as usize];
