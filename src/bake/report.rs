@@ -10,7 +10,9 @@ use super::ragdoll::{self, Driven};
 use super::root_motion::RootMotion;
 use crate::maths::pendulum::GRAVITY;
 use crate::measure::{Findings, Frame, KnownPush, Motion, PushPoint, Setting, measure_in};
-use crate::model::report::{Assist, BaseReport, BodyReport, Contact, Disturbance, Event, JointTorque, Outcome, Plausibility};
+use crate::model::report::{
+    Assist, BaseReport, BodyReport, Contact, Disturbance, Event, JointTorque, Outcome, Plausibility,
+};
 use crate::model::scenario::{GroundKind, Scenario};
 use crate::model::{Body, BodyPose, Clip, ClipReport, Role, Side};
 use crate::ragdoll::control::MOST_TORQUE;
@@ -112,6 +114,7 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
         torques: performance.articulated.as_ref().map_or(Vec::new(), torques),
         plausibility,
         base,
+        looped: None,
     };
     let mut warnings = warnings(input, outcome, fallen);
     warnings.extend(performance.timeline.over.iter().flat_map(|over| over.notes().to_vec()));
@@ -153,7 +156,8 @@ fn outcome(performance: &Performance, findings: Option<&Findings>, steps: u32, d
     findings.map_or(Outcome::Still, |findings| findings.balance.outcome(steps))
 }
 
-fn told(rig: &Rig, contact: &FootContact, frame: Frame, slip_mm: f64) -> Contact {
+/// A contact as the file says it.
+pub(super) fn told(rig: &Rig, contact: &FootContact, frame: Frame, slip_mm: f64) -> Contact {
     let similarity = &rig.document_from_scenario;
     Contact {
         foot: contact.side,

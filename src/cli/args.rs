@@ -83,6 +83,9 @@ pub struct BakeArgs {
     /// Also write the ground, the platform, boxes and balls into the file, as animated nodes
     #[arg(long)]
     pub props: bool,
+    /// Bake only a cycle that begins again without a seam: a stride of a steady walk, or of a stand; its name ends in _loop
+    #[arg(long = "loop")]
+    pub looped: bool,
     /// Exit 1 and write nothing if the character falls
     #[arg(long)]
     pub require_balance: bool,

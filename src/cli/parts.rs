@@ -2,7 +2,7 @@
 
 use super::args::{self, Assist, BakeArgs, Root};
 use super::exit_code::Failure;
-use crate::bake::{Base, BakeError, BakeOptions, Baked, Drive, Helped, RootMotion};
+use crate::bake::{BakeError, BakeOptions, Baked, Base, Drive, Helped, RootMotion};
 use crate::model::{Clip, ClipReport, Prop, Scenario};
 use crate::rig::mannequin::{BUILTIN, MannequinOptions, mannequin};
 use crate::rig::{Rig, RigError, clips};
@@ -57,9 +57,12 @@ pub fn bake(rig: &Rig, scenario: &Scenario, base: Option<Arc<Base>>, args: &Bake
         args::Drive::Stepper => Drive::Stepper,
         args::Drive::Ragdoll => Drive::Ragdoll(helped),
     };
-    let options = BakeOptions { name: args.clip.clone(), fps: args.fps, seed: args.seed, root, drive, base };
+    let options =
+        BakeOptions { name: args.clip.clone(), fps: args.fps, seed: args.seed, root, drive, base, looped: args.looped };
     bake::bake(rig, scenario, &options).map_err(|error| match error {
-        BakeError::Unplayed { .. } | BakeError::Base(_) => Failure::bad_input(error.to_string()),
+        BakeError::Unplayed { .. } | BakeError::Base(_) | BakeError::NoCycle { .. } => {
+            Failure::bad_input(error.to_string())
+        }
         error => Failure::failed(error.to_string()),
     })
 }
@@ -153,5 +156,6 @@ fn foreign(rig: &Rig, clip: &Clip) -> ClipReport {
         torques: Vec::new(),
         plausibility: Plausibility::default(),
         base: None,
+        looped: None,
     }
 }

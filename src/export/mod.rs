@@ -87,7 +87,8 @@ pub(crate) mod tests {
             assist: Assist::default(),
             torques: Vec::new(),
             plausibility: Plausibility::default(),
-        base: None,
+            base: None,
+            looped: None,
         }
     }
 }
