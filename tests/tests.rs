@@ -44,6 +44,8 @@ mod legs;
 mod limits;
 /// Rigs x directions x impulses, and the table of what came out; `benches/limits.rs` prints it.
 mod limits_grid;
+/// Loops: seams, travel, names, what has no cycle.
+mod looped;
 /// What the measures say of a walk over force plates.
 mod measure;
 /// Clips of every kind: sizes, ways, feet, writing back.

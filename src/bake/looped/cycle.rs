@@ -23,7 +23,9 @@ const TRIED: usize = 40;
 /// s before balance is lost that are passed over.
 const LOSING: f64 = 1.0;
 /// Cycles whose difference is at most this many times the least are as good.
-const AS_GOOD: f64 = 1.25;
+const AS_GOOD: f64 = 1.1;
+/// How much what the ends differ by counts beside the most that the two cycles do.
+const ENDS: f64 = 2.0;
 /// The most that the ends of a cycle may differ by: a walk's, a stand's.
 const MOST: [Off; 2] = [Off { angle: 0.2, place: 0.06, speed: 0.25 }, Off { angle: 0.06, place: 0.02, speed: 0.05 }];
 /// Part of a stride's way that may lie across where the walk is told to go, and is taken out.
@@ -264,7 +266,7 @@ fn best(timeline: &Timeline, list: Vec<Candidate>, walks: bool) -> Result<Option
         .into_iter()
         .map(|one| {
             let (worst, off) = apart(timeline, &one, size);
-            (one, worst, off)
+            (one, worst + ENDS * off.cost(size), off)
         })
         .collect();
     let Some(least) = judged.iter().map(|(_, worst, _)| *worst).min_by(f64::total_cmp) else { return Ok(None) };
