@@ -7,10 +7,10 @@
 //! | 0 | [`maths`] | glam only: pendulum formulae, springs, curves, filters, hulls, two-bone IK |
 //! | 1 | [`model`] | plain data: humanoid roles, body, pose, clip, contacts, scenario, report |
 //! | 2 | [`rig`], [`measure`] | glTF/VRM to [`rig::Rig`]; what is true of a motion: slip, ZMP, residual, pops |
-//! | 3 | [`mocap`], [`stepper`], [`whole_body`], [`ragdoll`] | BVH, FBX, glTF, VRMA to captures; the low-dimensional controller; the pose that has its centre of mass and its feet; the articulated body |
+//! | 3 | [`mocap`], [`stepper`], [`whole_body`], [`ragdoll`] | BVH, FBX, glTF, VRMA to captures, and from one body to another; the low-dimensional controller; the pose that has its centre of mass and its feet; the articulated body |
 //! | 4 | [`sim`], [`audit`] | the fixed-step session that runs the stepper under a scenario and leaves a trace; captures to findings |
-//! | 5 | [`bake`], [`correct`] | trace to clip: foot curves, reach envelope, ZMP filter, root motion, key reduction; findings to a corrected clip |
-//! | 6 | [`export`], [`picture`] | bytes of GLB and events; contact sheets, plots, pages of audits |
+//! | 5 | [`bake`], [`correct`] | trace to clip, over a base clip or alone: foot curves, reach envelope, ZMP filter, root motion, key reduction; findings to a corrected clip |
+//! | 6 | [`export`], [`picture`] | bytes of GLB and VRMA, events, engine helpers; contact sheets, plots, pages of audits |
 //! | 8 | [`cli`] | the command line; the files on disk |
 //!
 //! A bake from end to end, as the command line does it (without the files):

@@ -96,7 +96,7 @@ fn the_same_shove_twice_is_the_same_bytes() {
 
 /// The joint on the other side, one a joint; `None` for a body that is not the same on both sides within 0.02 mm (a knee
 /// near straight moves by a hundred times what its leg's length differs).
-fn twins(body: &Body) -> Option<Vec<usize>> {
+pub fn twins(body: &Body) -> Option<Vec<usize>> {
     let twin = |joint: usize| {
         let other = body.joint(body.joints[joint].role.mirrored())?;
         let (here, there) = (body.joints[joint].rest, body.joints[other].rest);

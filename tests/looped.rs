@@ -88,13 +88,14 @@ fn check(name: &str, rig: &Rig, baked: &Baked) {
     assert!(feet.slip_max_mm < 1.0, "{name}: slips {} mm", feet.slip_max_mm);
     assert!(feet.penetration_max_mm < 5.0 && feet.float_max_mm < 5.0, "{name}: {feet:?}");
     let at_seam = |time: f64| {
+        // The step from the last frame before a seam to the first after it, and its neighbours.
         let near = (time / told.period).round();
-        (time - near * told.period).abs() < 3.0 / baked.clip.fps
+        (time + 0.5 / baked.clip.fps - near * told.period).abs() < 1.5 / baked.clip.fps
     };
     let pops: Vec<_> = found.joints.pops.iter().filter(|pop| at_seam(pop.time)).collect();
     assert!(pops.is_empty(), "{name}: {pops:?}");
     // A cycle that is not joined smoothly jerks there as nowhere else.
-    assert!(step < 1.5, "{name}: the seam jerks {step:.2} times as much as anything else");
+    assert!(step < 3.0, "{name}: the seam jerks {step:.2} times as much as anything else");
     assert!(baked.clip.name.ends_with("_loop"), "{}", baked.clip.name);
     for contact in &baked.report.contacts {
         assert!(
@@ -148,8 +149,8 @@ fn a_cycle_that_is_cut_where_it_is_not_alike_would_be_seen() {
     let baked = bake(rig, &walk(rig, WALKS[1]), &looped(RootMotion::Root)).expect("it loops");
     let mut cut = baked.clip.clone();
     cut.duration *= 0.8;
-    assert!(seam_step(rig, &baked.clip) < 1.5);
-    assert!(seam_step(rig, &cut) > 3.0, "{}", seam_step(rig, &cut));
+    assert!(seam_step(rig, &baked.clip) < 2.0);
+    assert!(seam_step(rig, &cut) > 6.0, "{}", seam_step(rig, &cut));
 }
 
 #[test]

@@ -17,6 +17,8 @@ mod audit_forces;
 mod audit_grid;
 /// Base clips: stands and walks that a reaction starts from and returns to.
 mod base;
+/// Baked shoves beside the hand-keyed hits of the same rig; draws them where it is told to.
+mod beside;
 /// Height, masses and soles of real rigs and of the built-in one.
 mod bodies;
 /// The program at the shell: exit codes, words, files.
@@ -28,6 +30,8 @@ mod common;
 mod correct;
 /// What a corrected clip that was baked here tells of itself.
 mod correct_told;
+/// What stands beside a clip for an engine: written whole, run where it can be.
+mod engines;
 /// Baked files: the source kept whole, read again, by the Khronos validator, three.js.
 mod export;
 /// The same for rigs that nobody here made: slip, keys, the Khronos validator.
@@ -36,6 +40,8 @@ mod export_real;
 mod ground;
 /// Files that are broken, malicious or of another kind.
 mod hostile;
+/// How few keys a clip needs, its bytes, and readers that drop tangents.
+mod keys;
 /// Balls, boxes, and how long a recovery takes.
 mod lanes;
 /// Legs of any length.
@@ -66,6 +72,8 @@ mod retarget_cli;
 mod retarget_grid;
 /// Rigs made from others or from nothing: scales, axes, skins, naming conventions, lacking bones, overrides.
 mod rig_variants;
+/// What trunk, head and arms do of a push: delays, where it struck, mirror images, seeds, breath.
+mod reaction;
 /// Real rigs: bones, height, heading, unit.
 mod rigs;
 /// Soles in plan: apart and uncrossed.
@@ -76,6 +84,10 @@ mod stances;
 mod stepper;
 /// Rigs and motions made by hand for the modules above.
 mod synthetic;
+/// VRM animations: the specification, the same pose, read back.
+mod vrma;
+/// The same on characters, for three-vrm.
+mod vrma_play;
 /// The scenarios of walks.
 mod walk_grid;
 /// Walking: speeds, the paper's cases, pushes, turns, sizes.

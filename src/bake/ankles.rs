@@ -7,7 +7,7 @@
 //! foot's ankle bends is not eased here: that is up to when heels rise (`feet`) and feet leave (`footing`).
 //! Scenario space, radians, seconds.
 
-use super::feet::Extra;
+use super::swing::Extra;
 use super::timeline::Timeline;
 use crate::maths::banded::BandedLeastSquares;
 use crate::measure::joints::LegAngles;

@@ -5,11 +5,11 @@
 //! the air that same pivot flies from plant to plant: so nothing slides, and position and speed are continuous at lift.
 //! Pitch is positive with the heel up. Where a rig has no toes the foot turns about the tip of its sole.
 
-use super::base::{FootOffset, Walked};
 use super::clearance::{self, Raise};
 use super::contacts::FootContact;
-use super::swing::Swing;
-use crate::maths::curve::{bump, sample, smooth3, trapezoid};
+use super::feet_based::Based;
+use super::swing::{Extra, Swing};
+use crate::maths::curve::{bump, smooth3, trapezoid};
 use crate::maths::quat::wrap_angle;
 use crate::model::scenario::GroundKind;
 use crate::model::{Body, Side, Terrain, report::Part};
@@ -47,28 +47,17 @@ const EDGE_ROLL: f64 = 3.0 * std::f64::consts::PI / 180.0;
 /// Both feet over a whole run.
 #[derive(Clone, Debug)]
 pub struct FootCurves {
-    feet: [FootPath; 2],
-    terrain: Terrain,
-    base: Based,
-}
-
-/// What a base clip has to say.
-#[derive(Clone, Debug)]
-enum Based {
-    /// There is none.
-    Not,
-    /// How they stand in it, and whether on the ball.
-    Stand([(FootOffset, bool); 2]),
-    /// How they walk.
-    Walk(Box<Walked>),
+    pub(super) feet: [FootPath; 2],
+    pub(super) terrain: Terrain,
+    pub(super) base: Based,
 }
 
 /// One foot.
 #[derive(Clone, Debug)]
-struct FootPath {
+pub(super) struct FootPath {
     start: Plant,
     still_until: f64, // s, no heel comes up before
-    swings: Vec<Swing>,
+    pub(super) swings: Vec<Swing>,
     level: DQuat,              // turn from rest that levels the sole, pointing along rest_yaw
     toe_level: DQuat,          // the same for the toes
     rest_yaw: f64,             // rad
@@ -78,20 +67,6 @@ struct FootPath {
     ankle_height: f64,         // m
     has_toe: bool,
     extra: Extra,
-}
-
-/// What the ankle's range asks of a foot beside its curve: series of pitch and of roll (about the foot's length), rad.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Extra {
-    pub(super) dt: f64,
-    pub(super) turns: [Vec<f64>; 2],
-}
-
-impl Extra {
-    /// Pitch and roll at a time.
-    pub(super) fn at(&self, time: f64) -> [f64; 2] {
-        if self.dt <= 0.0 { [0.0; 2] } else { [0, 1].map(|axis| sample(&self.turns[axis], self.dt, time)) }
-    }
 }
 
 impl FootCurves {
@@ -110,34 +85,6 @@ impl FootCurves {
         let mut curves = FootCurves { feet, terrain: terrain.clone(), base: Based::Not };
         curves.clear_the_ground();
         curves
-    }
-
-    /// The same, standing at first and at last as in a base clip; with each foot, whether it does so on its ball.
-    pub fn over(self, base: [(FootOffset, bool); 2]) -> FootCurves {
-        FootCurves { base: Based::Stand(base), ..self }
-    }
-
-    /// The same, walking at first and at last as in a base clip.
-    pub fn over_walk(self, body: &Body, walked: Walked) -> FootCurves {
-        let mut curves = FootCurves { base: Based::Walk(Box::new(walked)), ..self };
-        curves.join(body);
-        curves
-    }
-
-    /// Whether a foot is a base clip's then, and not to be touched.
-    pub fn is_clips(&self, side: Side, time: f64) -> bool {
-        matches!(&self.base, Based::Walk(walked) if walked.is_clips(side, time))
-    }
-
-    /// How much a foot stands as in the base clip, 0..1: before its first step and after its last.
-    fn as_in_base(&self, side: Side, time: f64) -> f64 {
-        let swings = &self.feet[side as usize].swings;
-        let (Some(first), Some(last)) = (swings.first(), swings.last()) else { return 1.0 };
-        if swings.len() == 1 {
-            return 1.0;
-        }
-        let left = 1.0 - smooth3(first.along(time));
-        left.max(smooth3(last.along(time)))
     }
 
     /// Where a foot is.
@@ -171,11 +118,6 @@ impl FootCurves {
     /// away from where it is flat.
     pub(super) fn room(&self, side: Side, time: f64, dt: f64) -> [[f64; 2]; 2] {
         self.feet[side as usize].room(time, dt)
-    }
-
-    /// Whether a foot is in the air as a base clip has it.
-    pub fn flies_as_clip(&self, side: Side, time: f64) -> bool {
-        matches!(&self.base, Based::Walk(walked) if walked.is_clips(side, time) && !walked.clip_bears(side, time))
     }
 
     /// Raises the swings over what lies between their plants.
@@ -293,14 +235,6 @@ impl FootCurves {
         self.join(body);
     }
 
-    /// Joins the feet of a base clip that walks to their curves as they are now.
-    fn join(&mut self, body: &Body) {
-        let FootCurves { feet, terrain, base } = self;
-        if let Based::Walk(walked) = base {
-            walked.join(body, &|side, time| feet[side as usize].at(time, terrain));
-        }
-    }
-
     /// All contacts up to `end`, in order of start, left before right.
     pub fn contacts(&self, end: f64) -> Vec<FootContact> {
         let mut contacts = Vec::new();
@@ -397,7 +331,7 @@ impl FootPath {
     }
 
     /// In the ground's frame.
-    fn at(&self, time: f64, terrain: &Terrain) -> FootTarget {
+    pub(super) fn at(&self, time: f64, terrain: &Terrain) -> FootTarget {
         let flat = |plant: &Plant| {
             let turn = turned(plant, 0.0);
             self.pose(self.flat_ankle(plant), plant.yaw, turn, turn)

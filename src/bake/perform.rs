@@ -20,6 +20,8 @@ use crate::sim::{Script, SessionPush, SimulateOptions, TickState, Trace, simulat
 use crate::stepper::{Phase, Physique, Step, Style};
 use crate::whole_body::reaction::{Personality, Reaction, Senses, UpperAngles};
 use crate::whole_body::solve::Solved;
+use crate::whole_body::struck::{Blow, struck};
+use crate::whole_body::sway::Sway;
 use crate::whole_body::{Anatomy, Solver, stand};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
@@ -199,8 +201,9 @@ pub fn perform_over(
         .enumerate()
         .map(|(index, tick)| DVec3::new(tick.com.x, if real { tick.com.y } else { height(index) }, tick.com.z));
     let mut com: Vec<DVec3> = path.collect();
+    let blows = Blow::of(body, &anatomy, &physique, &pushes);
     let walks = matches!(over, Some(Over::Walk(_)));
-    let mut upper = upper_body(ticks, trace.dt, (&physique, &script.physiques), (seed, walks), scenario);
+    let mut upper = upper_body(ticks, trace.dt, (&physique, &script.physiques), &blows, (seed, walks), scenario);
     let landed = steps.iter().map(|step| step.land).fold(busy, f64::max);
     let left: Vec<f64> = (0..count)
         .map(|index| over.as_ref().filter(|_| home).map_or(1.0, |over| over.left(index as f64 * trace.dt, landed, end)))
@@ -428,6 +431,7 @@ fn upper_body(
     ticks: &[TickState],
     dt: f64,
     (physique, loaded): (&Physique, &[Physique]),
+    blows: &[Blow],
     (seed, over_a_walk): (u64, bool),
     scenario: &Scenario,
 ) -> Vec<UpperAngles> {
@@ -446,6 +450,12 @@ fn upper_body(
     if over_a_walk {
         reaction = reaction.over_a_walk();
     }
+    let sway = {
+        let aside = blows.iter().flat_map(|blow| [blow.force.x, blow.beside.x]).find(|aside| aside.abs() > 1e-6);
+        let side = aside.map_or(1.0, f64::signum);
+        let seconds = (ticks.len() - 1) as f64 * dt;
+        Sway::new(seed, scenario.character.breathing, side, seconds, (physique.com_height / 0.96).sqrt())
+    };
     let script = Script::of(scenario, Vec::new());
     let senses = |tick: &TickState, time: f64| Senses {
         acceleration: tick.acceleration,
@@ -463,7 +473,10 @@ fn upper_body(
     let mut angles = Vec::with_capacity(ticks.len());
     for (index, tick) in ticks.iter().enumerate() {
         reaction.weigh(loaded.get(index).unwrap_or(physique).mass);
-        angles.push(reaction.tick(&senses(tick, index as f64 * dt), dt));
+        let time = index as f64 * dt;
+        let reacts = reaction.tick_struck(&senses(tick, time), &struck(blows, tick.facing, time, dt), dt);
+        let sways = sway.at(time, reaction.calm());
+        angles.push(std::array::from_fn(|entry| reacts[entry] + sways[entry]));
     }
     angles
 }

@@ -102,11 +102,10 @@ fn planted_knees(timeline: &Timeline, solved: &[Solved], care: &Care) -> Vec<Kne
                 / length;
             0.9 * down * length / (leg.thigh_length * leg.shank_length * bend.sin().max(STEEPEST))
         };
-        let free: Vec<bool> =
-            (0..solved.len())
-                .map(|index| index as f64 * timeline.dt)
-                .map(|time| timeline.feet.freedom(side, time) > 0.0 || timeline.feet.flies_as_clip(side, time))
-                .collect();
+        let free: Vec<bool> = (0..solved.len())
+            .map(|index| index as f64 * timeline.dt)
+            .map(|time| timeline.feet.freedom(side, time) > 0.0 || timeline.feet.flies_as_clip(side, time))
+            .collect();
         for at in 0..solved.len().saturating_sub(2) {
             if free[at..at + 3].contains(&true) {
                 continue;

@@ -3,7 +3,7 @@
 //! Ground frame, metres, radians. Pitch is positive with the heel up.
 
 use super::clearance::Raise;
-use crate::maths::curve::{bump, smooth3, smooth5};
+use crate::maths::curve::{bump, sample, smooth3, smooth5};
 use crate::maths::quat::wrap_angle;
 use crate::stepper::{Physique, Plant, Step, StepKind};
 use glam::DVec3;
@@ -42,6 +42,20 @@ pub(super) struct Swing {
     pub(super) from: Plant,
     pub(super) to: Plant,
     pub(super) raise: Raise, // what the ground between asks for
+}
+
+/// What the ankle's range asks of a foot beside its curve: series of pitch and of roll (about the foot's length), rad.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Extra {
+    pub(super) dt: f64,
+    pub(super) turns: [Vec<f64>; 2],
+}
+
+impl Extra {
+    /// Pitch and roll at a time.
+    pub(super) fn at(&self, time: f64) -> [f64; 2] {
+        if self.dt <= 0.0 { [0.0; 2] } else { [0, 1].map(|axis| sample(&self.turns[axis], self.dt, time)) }
+    }
 }
 
 impl Swing {

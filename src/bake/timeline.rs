@@ -3,8 +3,8 @@
 //! Series stand on the session's ticks (10 ms) and are read between them by cubics; feet are exact. Scenario space, SI.
 //! The passes of `reach` and `balance` change `shift` and `lowering` only: what the stepper said stays beside them.
 
-use super::carried::{self, Carried};
 use super::base::Over;
+use super::carried::{self, Carried};
 use super::feet::FootCurves;
 use crate::maths::curve::{sample, smooth3};
 use crate::maths::quat::rotation_vector;
@@ -128,9 +128,7 @@ impl Timeline {
     /// Poses at every entry, and what each solve reports.
     pub fn solve_all(&self) -> Vec<Solved> {
         let mut solver = Solver::new(&self.body, &self.anatomy);
-        (0..self.com.len())
-            .map(|index| self.solved(&mut solver, &self.target(index), index as f64 * self.dt))
-            .collect()
+        (0..self.com.len()).map(|index| self.solved(&mut solver, &self.target(index), index as f64 * self.dt)).collect()
     }
 
     /// The pose at any time.

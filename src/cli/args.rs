@@ -1,5 +1,6 @@
 //! The arguments as text: what they are called, their forms and ranges. Opens nothing.
 
+use crate::export::engine::{ENGINES, Engine};
 use crate::model::findings::Rule;
 use clap::{ArgGroup, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -53,8 +54,9 @@ pub struct BakeArgs {
     /// Bake a shove of 60 Ns from the left instead of a scenario
     #[arg(long)]
     pub demo: bool,
-    /// Where the copy with the new clip goes; with --demo exports/demo.glb where left out
-    #[arg(short, long, value_name = "OUT.glb", value_parser = glb_path, required_unless_present = "demo")]
+    /// Where the copy with the new clip goes, or a .vrma: the motion alone, as a VRM animation; with --demo exports/demo.glb where
+    /// left out
+    #[arg(short, long, value_name = "OUT.glb|OUT.vrma", value_parser = glb_path, required_unless_present = "demo")]
     pub output: Option<PathBuf>,
     /// Also draw the clip as a contact sheet
     #[arg(long, value_name = "FILE.png", value_parser = png_path)]
@@ -86,6 +88,9 @@ pub struct BakeArgs {
     /// Bake only a cycle that begins again without a seam: a stride of a steady walk, or of a stand; its name ends in _loop
     #[arg(long = "loop")]
     pub looped: bool,
+    /// Also write, beside the clip, what turns its contacts and events into an engine's own: three, blender, bevy, godot, unity, unreal
+    #[arg(long, value_name = "NAME,..", value_delimiter = ',', value_parser = engine)]
+    pub engine: Vec<&'static Engine>,
     /// Exit 1 and write nothing if the character falls
     #[arg(long)]
     pub require_balance: bool,
@@ -263,7 +268,9 @@ fn assist(text: &str) -> Result<Assist, String> {
 }
 
 fn glb_path(text: &str) -> Result<PathBuf, String> {
-    with_ending(text, &["glb", "vrm"], "a baked clip is a binary glTF file: let its name end in .glb")
+    const REMEDY: &str =
+        "a baked clip is a binary glTF file: let its name end in .glb, or in .vrma for a VRM animation";
+    with_ending(text, &["glb", "vrm", "vrma"], REMEDY)
 }
 
 fn png_path(text: &str) -> Result<PathBuf, String> {
@@ -347,6 +354,11 @@ pub struct RetargetArgs {
 fn rule(text: &str) -> Result<Rule, String> {
     let names = || Rule::ALL.map(Rule::name).join(", ");
     Rule::ALL.into_iter().find(|rule| rule.name() == text).ok_or_else(|| format!("give one of {}", names()))
+}
+
+fn engine(text: &str) -> Result<&'static Engine, String> {
+    let names = || ENGINES.each_ref().map(|engine| engine.name).join(", ");
+    Engine::named(text).ok_or_else(|| format!("give one of {}, or several: three,bevy", names()))
 }
 
 fn csv_path(text: &str) -> Result<PathBuf, String> {

@@ -1,11 +1,12 @@
 //! `surefoot bake`: a scenario onto a rig, and what came of it for the person and for programs.
 
-use super::args::{Assist, BakeArgs, Drive};
+use super::args::{Assist, BakeArgs, Drive, Root};
 use super::exit_code::{Exit, Failure};
 use super::parts;
 use super::writer::{self, Output};
 use super::{resolve, say, tell};
 use crate::bake::{Baked, Fall};
+use crate::export::engine::{ENGINES, Engine};
 use crate::model::report::{Contact, JointTorque, Outcome, Part};
 use crate::model::{Scenario, Side};
 use crate::ragdoll::control::MOST_TORQUE;
@@ -25,8 +26,17 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     let mut places: Vec<&Path> = vec![&output, &events];
     places.extend(args.sheet.as_deref());
     places.extend(args.plot.as_deref());
+    let engines = engines(args);
+    let helpers: Vec<PathBuf> = engines.iter().map(|engine| output.with_file_name(engine.file)).collect();
+    places.extend(helpers.iter().map(PathBuf::as_path));
 
     // Everything that can be wrong with the arguments is told before the work starts.
+    if args.props && parts::is_vrma(&output) {
+        return Err(Failure::bad_input(format!(
+            "{}: a VRM animation holds no meshes, so no props\n  help: leave --props away, or let the name end in .glb",
+            output.display()
+        )));
+    }
     let mut inputs: Vec<PathBuf> = Vec::new();
     let scenario = match &args.scenario {
         Some(path) => {
@@ -48,6 +58,11 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         warn(format!("{}: {warning}", args.rig.display()));
     }
 
+    let root = crate::bake::RootMotion::from(args.root);
+    for engine in engines.iter().filter(|engine| !engine.takes(root.name())) {
+        warn(format!("{} takes root motion from {}", engine.title, engine.root));
+    }
+
     let base = resolve::base(&rig, &scenario, args)?;
     inputs.extend(base.as_ref().map(|base| base.0.clone()));
     let baked = parts::bake(&rig, &scenario, base.map(|base| base.1), args)?;
@@ -63,15 +78,19 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         return Ok(Exit::Refused);
     }
 
-    let exported = parts::exported(&rig, &baked, args.props)?;
+    let root_joint = args.root == Root::Root && engines.iter().any(|engine| engine.root_is_joint);
+    let exported = parts::exported(&rig, &baked, &output, (args.props, root_joint))?;
     for change in &exported.changes {
         warn(change.clone());
     }
-    let size = exported.glb.len();
+    let size = exported.file.len();
     let mut outputs = vec![
-        Output { path: output.clone(), bytes: exported.glb },
+        Output { path: output.clone(), bytes: exported.file },
         Output { path: events.clone(), bytes: exported.events },
     ];
+    for (engine, path) in engines.iter().zip(&helpers) {
+        outputs.push(Output { path: path.clone(), bytes: engine.helper() });
+    }
     if let Some(sheet) = &args.sheet {
         outputs.push(Output {
             path: sheet.clone(),
@@ -83,7 +102,8 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         outputs.push(Output { path: plot.clone(), bytes });
     }
     writer::write(&outputs, &inputs)?;
-    let places = Places { output: &output, events: &events, sheet: args.sheet.as_deref(), plot: args.plot.as_deref() };
+    let (sheet, plot) = (args.sheet.as_deref(), args.plot.as_deref());
+    let places = Places { output: &output, events: &events, helpers: &helpers, sheet, plot };
     say(&match args.json {
         true => as_json(&baked, &exported.name, Some(&places), &warnings),
         false => summary(&baked, &exported.name, &places, size),
@@ -91,10 +111,16 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
+/// Those that were asked for, each once, in the order of the table.
+fn engines(args: &BakeArgs) -> Vec<&'static Engine> {
+    ENGINES.iter().filter(|engine| args.engine.iter().any(|wanted| wanted.name == engine.name)).collect()
+}
+
 /// Where the results are.
 struct Places<'a> {
     output: &'a Path,
     events: &'a Path,
+    helpers: &'a [PathBuf],
     sheet: Option<&'a Path>,
     plot: Option<&'a Path>,
 }
@@ -105,6 +131,7 @@ fn as_json(baked: &Baked, name: &str, places: Option<&Places>, warnings: &[Strin
     let object = json!({
         "output": text(places.map(|places| places.output)),
         "events": text(places.map(|places| places.events)),
+        "helpers": places.map_or(&[][..], |places| places.helpers).iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
         "sheet": text(places.and_then(|places| places.sheet)),
         "plot": text(places.and_then(|places| places.plot)),
         "clip": name,
@@ -124,6 +151,9 @@ fn summary(baked: &Baked, name: &str, places: &Places, size: usize) -> String {
     };
     line("baked", format_args!("{} ({})", places.output.display(), bytes(size)));
     line("events", format_args!("{}", places.events.display()));
+    for (index, helper) in places.helpers.iter().enumerate() {
+        line(if index == 0 { "helpers" } else { "" }, format_args!("{}", helper.display()));
+    }
     if let Some(sheet) = places.sheet {
         line("sheet", format_args!("{}", sheet.display()));
     }

@@ -3,7 +3,8 @@
 use super::args::{self, Assist, BakeArgs, Root};
 use super::exit_code::Failure;
 use crate::bake::{BakeError, BakeOptions, Baked, Base, Drive, Helped, RootMotion};
-use crate::model::{Clip, ClipReport, Prop, Scenario};
+use crate::model::{Clip, ClipReport, Prop, Scenario, Target};
+use crate::rig::animate::RootCarrier;
 use crate::rig::mannequin::{BUILTIN, MannequinOptions, mannequin};
 use crate::rig::{Rig, RigError, clips};
 use crate::{bake, export, picture, rig};
@@ -38,13 +39,19 @@ pub fn new_rig(height: Option<f64>, leg_scale: Option<f64>) -> Vec<u8> {
     })
 }
 
+impl From<Root> for RootMotion {
+    fn from(root: Root) -> RootMotion {
+        match root {
+            Root::Root => RootMotion::Root,
+            Root::Hips => RootMotion::Hips,
+            Root::InPlace => RootMotion::InPlace,
+        }
+    }
+}
+
 /// Runs a scenario on a rig.
 pub fn bake(rig: &Rig, scenario: &Scenario, base: Option<Arc<Base>>, args: &BakeArgs) -> Result<Baked, Failure> {
-    let root = match args.root {
-        Root::Root => RootMotion::Root,
-        Root::Hips => RootMotion::Hips,
-        Root::InPlace => RootMotion::InPlace,
-    };
+    let root = RootMotion::from(args.root);
     let helped = match args.assist {
         Assist::Auto => Helped::Auto,
         Assist::Off => Helped::Within(Default::default()),
@@ -67,26 +74,47 @@ pub fn bake(rig: &Rig, scenario: &Scenario, base: Option<Arc<Base>>, args: &Bake
     })
 }
 
-/// The bytes of a baked file and of the events beside it.
+/// The bytes of a baked file and of what stands beside it.
 pub struct Exported {
-    /// The rig's document with the clip in it.
-    pub glb: Vec<u8>,
+    /// The rig's document with the clip in it, or a VRM animation.
+    pub file: Vec<u8>,
     /// `{ clip name: report }`.
     pub events: Vec<u8>,
     /// The name that the clip got.
     pub name: String,
-    /// What had to change in the source's own values.
+    /// What had to change in the source's own values, or could not be said.
     pub changes: Vec<String>,
 }
 
-/// Makes the files of a baked clip; `with_props`: the things beside the body too.
-pub fn exported(rig: &Rig, baked: &Baked, with_props: bool) -> Result<Exported, Failure> {
+/// Whether a file of that name is a VRM animation: the motion without the rig.
+pub fn is_vrma(output: &Path) -> bool {
+    output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("vrma"))
+}
+
+/// Makes the files of a baked clip; `with_props`: the things beside the body too; `root_joint`: the root as a joint of the skins.
+pub fn exported(
+    rig: &Rig,
+    baked: &Baked,
+    output: &Path,
+    (with_props, root_joint): (bool, bool),
+) -> Result<Exported, Failure> {
     let failed = |error: export::ExportError| Failure::failed(error.to_string());
+    if is_vrma(output) {
+        let name = baked.clip.name.clone();
+        let made = export::vrma(rig, &baked.clip, &baked.report).map_err(failed)?;
+        let events = export::events_json([(name.as_str(), &made.report)]).map_err(failed)?;
+        return Ok(Exported { file: made.bytes, events, name, changes: made.losses });
+    }
     let clips = [(baked.clip.clone(), baked.report.clone())];
-    let file = export::glb_with_props(rig, &clips, if with_props { &baked.props } else { &[] }).map_err(failed)?;
+    let props = if with_props { &baked.props[..] } else { &[] };
+    let carrier = root_joint.then(|| match RootMotion::Root.carrier(rig) {
+        RootCarrier::Node(node) => Target::Node(node),
+        _ => Target::NewRoot,
+    });
+    let file = export::glb_with_root(rig, &clips, props, carrier).map_err(failed)?;
     let name = file.names.into_iter().next().unwrap_or_else(|| baked.clip.name.clone());
     let events = export::events_json([(name.as_str(), &baked.report)]).map_err(failed)?;
-    Ok(Exported { glb: file.bytes, events, name, changes: file.changes })
+    Ok(Exported { file: file.bytes, events, name, changes: file.changes })
 }
 
 /// A contact sheet as PNG bytes, with what stands beside the body.

@@ -1,11 +1,11 @@
 //! From the names in the arguments to what they hold: looks at the files, reads them, says what is wrong with them.
 
-use super::exit_code::{Exit, Failure};
 use super::args::BakeArgs;
+use super::exit_code::{Exit, Failure};
 use super::{parts, scenario_fault, tell};
+use crate::bake::Base;
 use crate::model::scenario_text;
 use crate::model::{Scenario, ScenarioSource};
-use crate::bake::Base;
 use crate::rig::Rig;
 use crate::{bake, mocap};
 use std::fs;
@@ -60,7 +60,8 @@ pub fn base(rig: &Rig, scenario: &Scenario, args: &BakeArgs) -> Result<Option<(P
         }
         None if args.rig.as_os_str() == "builtin" => {
             return Err(Failure::bad_input(
-                "[base]: the built-in rig has no clips of its own\n  help: name a motion file: file = \"walk.bvh\"".to_owned(),
+                "[base]: the built-in rig has no clips of its own\n  help: name a motion file: file = \"walk.bvh\""
+                    .to_owned(),
             ));
         }
         None => args.rig.clone(),
@@ -77,7 +78,8 @@ pub fn base(rig: &Rig, scenario: &Scenario, args: &BakeArgs) -> Result<Option<(P
         }
     };
     let reading = file.reading(clip, &mocap::Options::default()).map_err(|error| bad(error.to_string()))?;
-    let base = bake::base::prepare(rig, scenario, &reading, base.file.is_none().then_some(clip)).map_err(|error| bad(error.to_string()))?;
+    let base = bake::base::prepare(rig, scenario, &reading, base.file.is_none().then_some(clip))
+        .map_err(|error| bad(error.to_string()))?;
     Ok(Some((path, Arc::new(base))))
 }
 

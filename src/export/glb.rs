@@ -7,7 +7,7 @@
 
 use super::buffers::Joined;
 use super::props::{self, PropChannel};
-use super::{ExportError, events::report_json};
+use super::{ExportError, events::report_json, root_joint};
 use crate::model::{Channel, Clip, ClipReport, Interpolation, KeyValues, Prop, Target};
 use crate::rig::Rig;
 use serde_json::{Map, Value, json};
@@ -31,6 +31,16 @@ pub fn glb(rig: &Rig, clips: &[(Clip, ClipReport)]) -> Result<ExportedGlb, Expor
 
 /// The same with things beside the body, which move as they say in every clip.
 pub fn glb_with_props(rig: &Rig, clips: &[(Clip, ClipReport)], props: &[Prop]) -> Result<ExportedGlb, ExportError> {
+    glb_with_root(rig, clips, props, None)
+}
+
+/// The same with the node that carries root motion as a joint of the skins: see [`super::root_joint`].
+pub fn glb_with_root(
+    rig: &Rig,
+    clips: &[(Clip, ClipReport)],
+    props: &[Prop],
+    carrier: Option<Target>,
+) -> Result<ExportedGlb, ExportError> {
     for (clip, _) in clips {
         check(rig, clip)?;
     }
@@ -43,10 +53,17 @@ pub fn glb_with_props(rig: &Rig, clips: &[(Clip, ClipReport)], props: &[Prop]) -
         .ok_or_else(|| ExportError::Document { reason: "it is no JSON object".into() })?;
     let mut buffer = Joined::new(&rig.document, &mut root)?;
     buffer.embed_images(&rig.document, &mut root);
-    let changes = matrices_to_trs(rig, clips, &mut root);
+    let mut changes = matrices_to_trs(rig, clips, &mut root);
     let targets: BTreeSet<Target> =
         clips.iter().flat_map(|(clip, _)| &clip.channels).map(|channel| channel.target).collect();
     let helpers = add_nodes(rig, &targets, &mut root);
+    let joint = carrier.and_then(|carrier| match carrier {
+        Target::Node(node) => Some((carrier, node)),
+        new => helpers.get(&new).map(|node| (new, *node)),
+    });
+    if let Some((carrier, node)) = joint {
+        changes.extend(root_joint::add(rig, carrier, node, &mut root, &mut buffer)?);
+    }
     let props: Vec<(usize, Vec<PropChannel>)> = props::add(rig, props, &mut root, &mut buffer)
         .into_iter()
         .zip(props)
@@ -152,8 +169,12 @@ impl Writer {
             };
             let path = channel.values.path();
             let input = first + self.accessor("SCALAR", &channel.times, 1);
-            let output = first + self.accessor(kind, &values, channel.times.len());
-            let interpolation = if channel.interpolation == Interpolation::Step { "STEP" } else { "LINEAR" };
+            let output = first + self.accessor(kind, &values, channel.values.count());
+            let interpolation = match channel.interpolation {
+                Interpolation::Linear => "LINEAR",
+                Interpolation::Cubic => "CUBICSPLINE",
+                Interpolation::Step => "STEP",
+            };
             add(node, path, input, output, interpolation);
         }
         for (node, channel) in props.iter().flat_map(|(node, channels)| channels.iter().map(move |one| (*node, one))) {
@@ -202,13 +223,15 @@ fn check(rig: &Rig, clip: &Clip) -> Result<(), ExportError> {
         if !seen.insert((channel.target, channel.values.path())) {
             return Err(fault("two channels drive the same property"));
         }
-        if channel.times.is_empty() || values.len() != channel.times.len() {
+        if !channel.is_whole() {
             return Err(fault("there must be as many values as times, and one at least"));
         }
-        for (time, value) in channel.times.iter().zip(&values) {
-            if !time.is_finite() || value.iter().any(|part| !part.is_finite()) {
+        let stride = channel.interpolation.stride();
+        for (time, key) in channel.times.iter().zip(values.chunks_exact(stride)) {
+            if !time.is_finite() || key.iter().any(|value| value.iter().any(|part| !part.is_finite())) {
                 return Err(ExportError::NotFinite { clip: clip.name.clone(), node, time: f64::from(*time) });
             }
+            let value = key[stride / 2];
             if rotates && (value.iter().map(|part| part * part).sum::<f32>() - 1.0).abs() > 1e-3 {
                 return Err(fault("a rotation is no unit quaternion"));
             }

@@ -1,14 +1,21 @@
-//! Clips as bytes: the source document with animations appended, events beside it. No file is touched here.
+//! Clips as bytes: the source document with animations appended, or a VRM animation; events and helpers for engines beside it. No file
+//! is touched here.
 
 pub mod amend;
 mod buffers;
+pub mod engine;
 pub mod events;
 pub mod glb;
 mod props;
+pub mod root_joint;
+mod tpose;
+pub mod vrma;
 
 pub use amend::{Amended, amend};
 pub use events::events_json;
-pub use glb::{ExportedGlb, glb, glb_with_props};
+pub use glb::{ExportedGlb, glb, glb_with_props, glb_with_root};
+pub use tpose::t_pose;
+pub use vrma::{ExportedVrma, vrma};
 
 /// Why a clip could not be written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -52,6 +52,8 @@ pub struct Character {
     pub crouch: f64,
     /// 0..1: 0.5 an ordinary adult, 1 whatever balance takes.
     pub agility: f64,
+    /// 0..1: breathing and the small unrest of standing still; 0 none, 0.5 as found in people.
+    pub breathing: f64,
     /// How it moves where balance leaves a choice.
     pub style: Style,
 }
@@ -302,7 +304,7 @@ impl Default for Style {
 
 impl Default for Character {
     fn default() -> Character {
-        Character { mass: None, leg_scale: 1.0, crouch: 0.0, agility: 0.5, style: Style::default() }
+        Character { mass: None, leg_scale: 1.0, crouch: 0.0, agility: 0.5, breathing: 0.0, style: Style::default() }
     }
 }
 

@@ -136,6 +136,7 @@ impl Check {
         for (key, value) in [
             ("crouch", character.crouch),
             ("agility", character.agility),
+            ("breathing", character.breathing),
             ("step_height", style.step_height),
             ("stance_width", style.stance_width),
             ("readiness", style.readiness),

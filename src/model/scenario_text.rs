@@ -115,6 +115,7 @@ fn character(mut table: Reader<'_, '_>) -> Character {
         leg_scale: table.number("leg_scale").unwrap_or(default.leg_scale),
         crouch: table.number("crouch").unwrap_or(default.crouch),
         agility: table.number("agility").unwrap_or(default.agility),
+        breathing: table.number("breathing").unwrap_or(default.breathing),
         style: Style {
             step_height: dial(&mut table, "step_height"),
             stance_width: dial(&mut table, "stance_width"),
@@ -379,6 +380,7 @@ mod tests {
             ("[ground]\nkind = \"flat\"\nangle = 4".to_owned(), 3, "unknown key `angle`"),
             ("[ground]\nkind = \"slope\"".to_owned(), 1, "has no `angle`"),
             ("[character]\nagility = 1.01".to_owned(), 2, "give 0 to 1"),
+            ("[character]\narms = 1\nbreathing = -0.5".to_owned(), 3, "give 0 to 1"),
             ("title = \"a\"\ntitle = \"b\"".to_owned(), 2, "duplicate key"),
             ("title = \"a".to_owned(), 1, "not TOML"),
             ("[[walk]]\nstart = 1\nspeed = 1\n[[walk]]\nstart = 1.0\nspeed = 0".to_owned(), 5, "two [[walk]] entries"),

@@ -10,6 +10,8 @@ pub mod reaction;
 pub mod solve;
 pub mod stand;
 pub mod stride;
+pub mod struck;
+pub mod sway;
 
 pub use anatomy::Anatomy;
 pub use grip::Grip;

@@ -1,13 +1,15 @@
 //! What trunk, head, pelvis and arms do while the pendulum sways and steps. Radians, SI units, angles in the facing frame.
 //!
 //! Springs that the body's own accelerations drive (lag, counter-lean, swing) and an alarm that raises the arms against
-//! the fall: peaks as people show them (7 degrees of trunk lean at 30 Ns, 13 at 60, 26 at 150). Times scale with the
-//! square root of the height of the centre of mass. Everything is odd under mirroring: a mirrored push gives the mirrored
-//! motion. Decides no feet and no centre of mass.
+//! the fall: peaks as people show them (7 degrees of trunk lean at 30 Ns, 13 at 60, 26 at 150). What was struck goes
+//! first (see [`super::struck`]): a head whips on its neck, a shoulder turns the trunk, hips leave the chest behind. Times
+//! scale with the square root of the height of the centre of mass. Everything is odd under mirroring: a mirrored push gives
+//! the mirrored motion. Decides no feet and no centre of mass.
 
 use super::solve::ArmAngles;
 use super::stand::{TRUNK_LEAN, relaxed_arms};
 use super::stride::Stride;
+use super::struck::Struck;
 use crate::maths::curve::soft_limit;
 use crate::maths::pendulum::GRAVITY;
 use crate::maths::spring::Spring;
@@ -55,13 +57,34 @@ pub struct Personality {
     pub elbow: f64,
 }
 
-/// Angles of the upper body and the pelvis at one time, in an order that interpolates entry by entry.
+/// Angles of the upper body and the pelvis at one time, in an order that interpolates entry by entry. Lean of the trunk (left,
+/// forward), of the head (likewise), yaw and list of the pelvis, facing, raise, abduction and elbow of the left and the right arm,
+/// alarm, twist of chest and pelvis by a push, lean of the pelvis (left, forward) beyond its share of the trunk's.
 pub type UpperAngles = [f64; UPPER];
 /// Number of entries of [`UpperAngles`].
-pub const UPPER: usize = 16;
+pub const UPPER: usize = 18;
 
 /// m, how far over the centre of mass a push at the chest acts on the reference body.
 const PUSH_ARM: f64 = 0.19;
+/// m, from the middle to a shoulder of the reference body.
+const SHOULDER: f64 = 0.18;
+/// What the pelvis takes of the trunk's lean, left and forward.
+const PELVIS_SHARE: [f64; 2] = [0.30, 0.38];
+
+/// How a body comes to throw its arms up: times of people at 0.96 m of the centre of mass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Haste {
+    delay: f64,  // s, until it knows
+    attack: f64, // s, until the alarm is up
+    throw: f64,  // 1/s, the speed that an arm starts with, for each part of its way
+    size: f64,   // of how far it goes without that speed
+    trunk: f64,  // what a push at the chest does to the trunk
+}
+
+/// With the delay of neck and shoulders: the arms are seen to move 0.2 s after a shove of 60 Ns began.
+const PROMPT: Haste = Haste { delay: 0.09, attack: 0.06, throw: 3.0, size: 0.92, trunk: 5.2 };
+/// As the arms of an articulated body are tuned to be told.
+const TOLD: Haste = Haste { delay: 0.12, attack: 0.07, throw: 0.0, size: 1.0, trunk: 5.2 };
 
 /// Memory of the reaction.
 #[derive(Clone, Debug)]
@@ -70,14 +93,18 @@ pub struct Reaction {
     personality: Personality,
     arms_dial: f64,
     unhurried: f64,
-    lean: [Spring; 2],      // sideways (left positive), forwards
-    head: [Spring; 2],      // what the head keeps of it
-    pelvis_yaw: Spring,     // relative to facing, left positive
-    list: Spring,           // pelvis drop on the right positive
-    stride: Stride,         // what walking adds
-    walked: f64,            // 0..1, walks or did until a moment ago
-    shoved: f64,            // m/s that pushes gave, fading
-    alarm: f64,             // 0..1
+    lean: [Spring; 2],  // sideways (left positive), forwards
+    head: [Spring; 2],  // what the head keeps of it
+    pelvis_yaw: Spring, // relative to facing, left positive
+    list: Spring,       // pelvis drop on the right positive
+    tuck: [Spring; 2],  // lean of the pelvis by pushes on it
+    twist: [Spring; 2], // of chest and pelvis by pushes, left positive
+    stride: Stride,     // what walking adds
+    walked: f64,        // 0..1, walks or did until a moment ago
+    shoved: f64,        // m/s that pushes gave, fading
+    alarm: f64,         // 0..1
+    alarmed: f64,       // what it was a tick ago
+    haste: Haste,
     strides: f64,           // 1, or 0 where a base clip walks for it
     alarm_line: Vec<f64>,   // raw alarm of the last ticks, newest last
     fall: DVec2,            // smoothed direction of the fall (left, forward)
@@ -96,10 +123,14 @@ impl Reaction {
             head: Default::default(),
             pelvis_yaw: Spring::default(),
             list: Spring::default(),
+            tuck: Default::default(),
+            twist: Default::default(),
             stride: Stride::default(),
             walked: 0.0,
             shoved: 0.0,
             alarm: 0.0,
+            alarmed: 0.0,
+            haste: TOLD,
             strides: 1.0,
             alarm_line: Vec::new(),
             fall: DVec2::ZERO,
@@ -122,25 +153,44 @@ impl Reaction {
         self.physique.mass = mass;
     }
 
-    /// One tick of `dt` s; returns the angles at its end.
+    /// How calm it is: 1 at rest, 0 while it walks or is alarmed.
+    pub fn calm(&self) -> f64 {
+        (1.0 - 4.0 * self.alarm).max(0.0) * (1.0 - self.walked)
+    }
+
+    /// One tick of `dt` s; returns the angles at its end. The pushes are told by their moment alone.
     pub fn tick(&mut self, senses: &Senses, dt: f64) -> UpperAngles {
+        let moment = senses.push_moment;
+        let (sin, cos) = senses.facing.sin_cos();
+        let tipping = DVec2::new(-moment.z * cos - moment.x * sin, -moment.z * sin + moment.x * cos);
+        self.advance(senses, &Struck { tipping, ..Struck::default() }, dt)
+    }
+
+    /// The same, where it is known what part of the body a push takes hold of, and nothing is in the way of the arms.
+    pub fn tick_struck(&mut self, senses: &Senses, struck: &Struck, dt: f64) -> UpperAngles {
+        self.haste = PROMPT;
+        self.advance(senses, struck, dt)
+    }
+
+    fn advance(&mut self, senses: &Senses, struck: &Struck, dt: f64) -> UpperAngles {
         let scale = (self.physique.com_height / 0.96).sqrt(); // times are for a centre of mass at 0.96 m
         let length = self.physique.com_height / 0.96;
         let local = |world: DVec3| {
             let (sin, cos) = senses.facing.sin_cos();
             DVec2::new(world.x * cos - world.z * sin, world.x * sin + world.z * cos)
         };
+        let mass = self.physique.mass;
         let acceleration = local(senses.acceleration);
-        let push = local(senses.push) / self.physique.mass;
+        let push = local(senses.push) / mass;
         let ground = acceleration - push;
 
         // What the push would be at the chest, by its moment: high ones tip the trunk, at the hips it stays behind.
-        let moment = senses.push_moment;
-        let tipping = local(DVec3::new(-moment.z, 0.0, moment.x)) / (self.physique.mass * PUSH_ARM * length);
+        let tipping = struck.tipping / (mass * PUSH_ARM * length);
         // Trunk: the push carries the shoulders off, the ground's braking pulls the hips from under them.
         let gain = 1.0 + 0.08 * self.personality.trunk_gain;
         let trunk_omega = TAU * 1.35 / scale;
-        let drive = ((push * 0.2 + tipping * 0.8) * 5.2 - ground * 1.2) * gain / length;
+        let (head, hips) = (struck.head / mass, struck.hips / mass);
+        let drive = ((push * 0.2 + tipping * 0.8) * self.haste.trunk - hips * 4.0 - ground * 1.2) * gain / length;
         for axis in 0..2 {
             self.lean[axis].v += drive[axis] * dt;
             self.lean[axis].step(0.0, trunk_omega, 0.5, dt);
@@ -149,15 +199,24 @@ impl Reaction {
         let head_omega = TAU * 2.2 / scale;
         for axis in 0..2 {
             let keeps = 0.25 + 0.08 * self.personality.head_gain;
-            self.head[axis].v -= push[axis] * 1.1 / length * dt;
+            self.head[axis].v += (head[axis] * 30.0 - (push[axis] - head[axis]) * 1.1) / length * dt;
             self.head[axis].step(keeps * lean[axis], head_omega, 0.45, dt);
+            self.tuck[axis].v += hips[axis] * 7.0 / length * dt;
+            self.tuck[axis].step(0.0, TAU * 2.4 / scale, 0.75, dt);
         }
+        let turns = 70.0 * struck.twist / (mass * length * length) * gain;
+        let turned = self.twist[0].v;
+        self.twist[0].v += turns * dt;
+        self.twist[0].step(0.0, TAU * 1.6 / scale, 0.5, dt);
+        self.twist[1].step(0.35 * soft_limit(self.twist[0].x, 0.6), TAU * 1.6 / scale, 0.7, dt);
+        let spin = (self.twist[0].v - turned) / dt;
 
         let stride = self.stride.tick(senses, &self.physique, dt);
         self.tick_pelvis(senses, stride.share, scale, dt);
         self.tick_alarm(senses, stride.share, &local, scale, dt);
         // Walking, the arms follow the legs and not every jolt of the shoulders.
         self.tick_arms(acceleration * (1.0 - 0.8 * stride.share * (1.0 - self.alarm)), scale, length, dt);
+        self.swing_arms(struck, spin, length, dt);
 
         let mut angles = [0.0; UPPER];
         angles[0] = lean.x;
@@ -177,7 +236,23 @@ impl Reaction {
             angles[9 + side * 3] += stride.elbows[side] * (1.0 - self.alarm) * self.strides;
         }
         angles[13] = self.alarm;
+        angles[14] = soft_limit(self.twist[0].x, 0.6);
+        angles[15] = self.twist[1].x;
+        for axis in 0..2 {
+            angles[16 + axis] = soft_limit(self.tuck[axis].x, 0.35);
+        }
         angles
+    }
+
+    /// A struck arm swings off; those of a trunk that is turned are left behind.
+    fn swing_arms(&mut self, struck: &Struck, spin: f64, length: f64, dt: f64) {
+        for side in Side::BOTH {
+            let springs = &mut self.arms[side as usize];
+            let off = struck.arms[side as usize] / self.physique.mass;
+            springs[0].v += (off.y * 12.0 + 0.6 * side.sign() * spin * SHOULDER) / length * dt;
+            springs[1].v += side.sign() * off.x * 12.0 / length * dt;
+            springs[2].v += off.length() * 6.0 / length * dt;
+        }
     }
 
     fn tick_pelvis(&mut self, senses: &Senses, walking: f64, scale: f64, dt: f64) {
@@ -214,10 +289,10 @@ impl Reaction {
         let pace = (GRAVITY * self.physique.com_height).sqrt();
         let raw = raw * (self.shoved / (0.05 * pace)).min(1.0).max(1.0 - self.walked);
         self.alarm_line.push(raw);
-        let delay = ((0.12 + 0.02 * self.personality.arms_delay) * scale / dt).round() as usize;
+        let delay = ((self.haste.delay + 0.02 * self.personality.arms_delay) * scale / dt).round() as usize;
         let heard =
             if self.alarm_line.len() > delay { self.alarm_line[self.alarm_line.len() - 1 - delay] } else { 0.0 };
-        let time = if heard > self.alarm { 0.07 } else { 0.40 * self.unhurried } * scale;
+        let time = if heard > self.alarm { self.haste.attack } else { 0.40 * self.unhurried } * scale;
         self.alarm += (heard - self.alarm) * (1.0 - (-dt / time).exp());
         if raw > 0.0 {
             let towards = off.normalize_or_zero();
@@ -230,6 +305,8 @@ impl Reaction {
         let aside = self.fall.x.abs();
         let sum = (back + forth + aside).max(1e-6);
         let dial = self.arms_dial * 2.0 * (1.0 + 0.12 * self.personality.arms_gain);
+        let thrown = (self.alarm - self.alarmed).max(0.0) * self.haste.throw / scale;
+        self.alarmed = self.alarm;
         let omega = TAU * (1.05 / self.unhurried.sqrt() + 0.75 * self.alarm) / scale;
         for side in Side::BOTH {
             // Far: the arm on the side that the body falls away from. It goes higher.
@@ -242,7 +319,9 @@ impl Reaction {
                 let sideways = if far > 0.0 { aside_far[joint] } else { aside_near[joint] };
                 let degrees =
                     ([40.0, 30.0, 26.0][joint] * back + [16.0, 26.0, 34.0][joint] * forth + sideways * aside) / sum;
-                target[joint] = degrees.to_radians() * self.alarm * dial * uneven;
+                let whole = degrees.to_radians() * dial * uneven * self.haste.size;
+                target[joint] = whole * self.alarm;
+                self.arms[side as usize][joint].v += whole * thrown;
             }
             target[2] *= 1.0 + 0.15 * self.personality.elbow;
             let springs = &mut self.arms[side as usize];
@@ -261,11 +340,13 @@ impl Reaction {
 pub fn upper_turns(angles: &UpperAngles) -> (DQuat, DQuat, DQuat, [ArmAngles; 2]) {
     let lean = |sideways: f64, forwards: f64| DQuat::from_scaled_axis(DVec3::new(forwards, 0.0, -sideways));
     let facing = angles[6];
-    let pelvis = DQuat::from_rotation_y(facing + angles[4])
-        * lean(0.30 * angles[0], 0.38 * angles[1])
+    let [sideways, forwards] = [0, 1].map(|axis| PELVIS_SHARE[axis] * angles[axis] + angles[16 + axis]);
+    let pelvis = DQuat::from_rotation_y(facing + angles[4] + angles[15])
+        * lean(sideways, forwards)
         * DQuat::from_rotation_z(angles[5]);
-    let chest = DQuat::from_rotation_y(facing - 0.55 * angles[4]) * lean(angles[0], angles[1] + TRUNK_LEAN);
-    let head = DQuat::from_rotation_y(facing) * lean(angles[2], angles[3]);
+    let chest =
+        DQuat::from_rotation_y(facing - 0.55 * angles[4] + angles[14]) * lean(angles[0], angles[1] + TRUNK_LEAN);
+    let head = DQuat::from_rotation_y(facing) * lean(soft_limit(angles[2], 0.6), soft_limit(angles[3], 0.7));
     let relaxed = relaxed_arms();
     let arms = [0, 1].map(|side| {
         let (raise, abduct, elbow) = (angles[7 + side * 3], angles[8 + side * 3], angles[9 + side * 3]);

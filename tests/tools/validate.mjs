@@ -1,4 +1,4 @@
-// Runs the Khronos validator over every GLB of a folder:
+// Runs the Khronos validator over every .glb and .vrma of a folder:
 //   node validate.mjs FOLDER [SOURCES]
 // Prints one line a file and fails on an error, or on a kind of warning that the file's source did not have. A file's source
 // is named in FOLDER/baked.glb.source, relative to SOURCES; one without is compared with nothing.
@@ -40,7 +40,7 @@ async function findings(path) {
 }
 
 let bad = 0;
-const files = readdirSync(folder).filter((name) => name.endsWith('.glb')).sort();
+const files = readdirSync(folder).filter((name) => /\.(glb|vrma)$/.test(name)).sort();
 for (const name of files) {
   const found = await findings(join(folder, name));
   const note = join(folder, `${name}.source`);

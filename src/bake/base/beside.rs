@@ -5,9 +5,9 @@
 
 use super::Base;
 use crate::model::{Channel, Clip, Interpolation, KeyValues, Target};
+use crate::rig::Rig;
 use crate::rig::animate::Poser;
 use crate::rig::clips::{Tracks, read_tracks};
-use crate::rig::Rig;
 
 /// Of the value's own unit (of a rotation: of a unit quaternion): what differs by less is the same.
 const SAME: f32 = 2e-5;
@@ -37,8 +37,7 @@ pub fn add(clip: &mut Clip, rig: &Rig, base: &Base) {
 fn channels(rig: &Rig, tracks: &Tracks, node: usize, base: &Base, start: f64, clip: &Clip) -> Vec<Channel> {
     let rest = &rig.nodes[node].local;
     let count = (clip.duration * base.fps).ceil() as usize;
-    let times: Vec<f64> =
-        (0..=count).map(|key| (key as f64 / base.fps).min(clip.duration)).collect();
+    let times: Vec<f64> = (0..=count).map(|key| (key as f64 / base.fps).min(clip.duration)).collect();
     let locals: Vec<_> = times.iter().map(|time| tracks.local(node, start + base.wrapped(*time), rest)).collect();
     let translations: Vec<[f32; 3]> = locals.iter().map(|local| local.translation.as_vec3().to_array()).collect();
     let mut rotations: Vec<[f32; 4]> = locals.iter().map(|local| local.rotation.as_quat().to_array()).collect();

@@ -22,9 +22,7 @@ pub fn error(body: &Body, pose: &BodyPose, base: &BodyPose) -> (f64, f64) {
         .filter(|joint| body.joints[*joint].animated)
         .map(|joint| (turn * base.turns[joint]).angle_between(pose.turns[joint]).to_degrees())
         .fold(0.0, f64::max);
-    let to = |want: &DVec3| {
-        turn * (*want - DVec3::new(there.x, 0.0, there.y)) + DVec3::new(here.x, 0.0, here.y)
-    };
+    let to = |want: &DVec3| turn * (*want - DVec3::new(there.x, 0.0, there.y)) + DVec3::new(here.x, 0.0, here.y);
     let far = have.iter().zip(&want).map(|(have, want)| have.distance(to(want)) * 1e3).fold(0.0, f64::max);
     (angle, far)
 }

@@ -25,9 +25,9 @@ pub(super) fn to_ball(body: &Body, side: Side) -> DVec3 {
 pub struct FootOffset {
     /// Where it stands.
     pub plant: Plant,
-    foot: DQuat,   // after the flat foot's turn
-    toe: DQuat,    // likewise
-    ball: DVec3,   // m, as the foot points: the ball from the flat foot's
+    foot: DQuat,    // after the flat foot's turn
+    toe: DQuat,     // likewise
+    ball: DVec3,    // m, as the foot points: the ball from the flat foot's
     to_ball: DVec3, // m, at rest: from ankle to ball
 }
 

@@ -3,10 +3,13 @@
 //! A [`Base`] is a clip on the body that is baked, judged once: a stand (both feet stay) or a walk. [`stand`] lays a reaction over a
 //! stand. Scenario space: metres, the ground at 0, the clip's own place and heading. What runs, jumps or sits is refused.
 
+mod bearing;
 mod beside;
+mod cycle;
 mod error;
 mod foot;
 pub mod gait;
+mod hold;
 mod over;
 mod prepare;
 pub mod stand;
@@ -15,16 +18,16 @@ pub mod walk;
 pub use beside::add;
 pub use error::error;
 pub use foot::FootOffset;
-pub use prepare::prepare;
 pub use over::Over;
+pub use prepare::prepare;
 pub use stand::Stood;
 pub use walk::Walked;
 
 use crate::audit::contacts::footfalls;
 use crate::audit::track::Track;
+use crate::maths::hull::{convex_hull, signed_distance};
 use crate::model::{Body, BodyPose, Capture, Side};
 use crate::whole_body::{Anatomy, BasePose};
-use crate::maths::hull::{convex_hull, signed_distance};
 use glam::{DQuat, DVec2, DVec3};
 
 /// rad, mean over the joints: a clip whose last pose is this near to its first is a loop.
@@ -97,7 +100,15 @@ impl Base {
             off / from.turns.len().max(1) as f64
         };
         let loops = frames.len() > 2 && apart(&frames[0].pose, &frames[frames.len() - 1].pose) < LOOPS;
-        let mut base = Base { name: capture.name.clone(), fps: capture.fps, loops, walks: false, own: None, notes: Vec::new(), frames };
+        let mut base = Base {
+            name: capture.name.clone(),
+            fps: capture.fps,
+            loops,
+            walks: false,
+            own: None,
+            notes: Vec::new(),
+            frames,
+        };
         base.walks = base.judge(capture)?;
         Ok(base)
     }

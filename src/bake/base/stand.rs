@@ -122,9 +122,8 @@ impl Stood {
 
     /// m, where the centre of mass comes to rest on the last plants.
     pub fn rests(&self, start: &[Plant; 2], steps: &[Step], facing: f64) -> DVec3 {
-        let plant = |side: Side| {
-            steps.iter().rev().find(|step| step.side == side).map_or(start[side as usize], |step| step.to)
-        };
+        let plant =
+            |side: Side| steps.iter().rev().find(|step| step.side == side).map_or(start[side as usize], |step| step.to);
         let middle = (plant(Side::Left).ankle + plant(Side::Right).ankle) * 0.5;
         let clip = (self.feet[0].plant.ankle + self.feet[1].plant.ankle) * 0.5;
         let over = DQuat::from_rotation_y(facing) * (self.com - clip);

@@ -7,10 +7,10 @@ use super::gait::{Fall, Gait, blended};
 use super::{Base, BaseError, BaseFrame, FootOffset};
 use crate::bake::contacts::FootContact;
 use crate::maths::curve::smooth3;
+use crate::measure::KnownPush;
 use crate::model::report::Part;
 use crate::model::scenario::Walk;
 use crate::model::{Body, Plant, Side};
-use crate::measure::KnownPush;
 use crate::sim::{SimulateOptions, Trace};
 use crate::stepper::{Step, StepKind};
 use crate::whole_body::{Anatomy, BasePose, FootTarget, Neutral};
@@ -60,9 +60,9 @@ struct Joined {
 /// The clip, taken up again.
 #[derive(Clone, Copy, Debug)]
 struct Back {
-    later: f64,       // s, the baked clip's time less the gait's
-    shift: DVec3,     // m
-    over: [f64; 2],   // s, from the first foot's lift to the second one's landing
+    later: f64,     // s, the baked clip's time less the gait's
+    shift: DVec3,   // m
+    over: [f64; 2], // s, from the first foot's lift to the second one's landing
 }
 
 impl Walked {
@@ -78,7 +78,14 @@ impl Walked {
         let notes = base.notes.clone();
         let neutral = Neutral::new(body, anatomy);
         Ok(Walked {
-            base, gait, neutral, notes, from: f64::INFINITY, sides: Default::default(), back: None, beats: Vec::new(),
+            base,
+            gait,
+            neutral,
+            notes,
+            from: f64::INFINITY,
+            sides: Default::default(),
+            back: None,
+            beats: Vec::new(),
         })
     }
 
@@ -98,22 +105,25 @@ impl Walked {
     pub fn beat(&self, from: f64, steps: &[Step], dt: f64) -> f64 {
         let falls = &self.gait.falls;
         let Some(last) = falls.iter().rfind(|fall| fall.down <= from).or(falls.first()) else { return 0.0 };
-        let next = falls.iter().find(|fall| fall.down > last.down).map_or(last.down + 0.5 * self.gait.period, |fall| fall.down);
+        let next = falls
+            .iter()
+            .find(|fall| fall.down > last.down)
+            .map_or(last.down + 0.5 * self.gait.period, |fall| fall.down);
         let share = ((from - last.down) / (next - last.down).max(1e-6)).clamp(0.0, 1.0);
         let warm = WARM.max(from + 0.2);
         let pairs = steps.windows(2).find(|pair| pair[0].side == last.side && pair[0].land >= warm);
         let Some([land, after]) = pairs.map(|pair| [pair[0].land, pair[1].land]) else { return 0.0 };
         let nominal = land + (after - land) * share;
         let clip = Side::BOTH.map(|side| self.bears(side, from));
-        let agrees = |time: f64| {
-            Side::BOTH.iter().filter(|side| stands(steps, **side, time) == clip[**side as usize]).count()
-        };
+        let agrees =
+            |time: f64| Side::BOTH.iter().filter(|side| stands(steps, **side, time) == clip[**side as usize]).count();
         let most = (OFF_BEAT / dt).round() as i64;
         let mut tries: Vec<f64> = (-most..=most).map(|tick| nominal + tick as f64 * dt).collect();
         tries.sort_by(|a, b| (a - nominal).abs().total_cmp(&(b - nominal).abs()));
-        let best = tries.iter().copied().max_by(|a, b| {
-            agrees(*a).cmp(&agrees(*b)).then((b - nominal).abs().total_cmp(&(a - nominal).abs()))
-        });
+        let best = tries
+            .iter()
+            .copied()
+            .max_by(|a, b| agrees(*a).cmp(&agrees(*b)).then((b - nominal).abs().total_cmp(&(a - nominal).abs())));
         ((best.unwrap_or(nominal) - from) / dt).round() * dt
     }
 
@@ -223,7 +233,9 @@ impl Walked {
             }
         }
         if busy < end - 0.1 {
-            self.notes.push("the clip ends before it is back in the base clip's walk: give the scenario more duration".into());
+            self.notes.push(
+                "the clip ends before it is back in the base clip's walk: give the scenario more duration".into(),
+            );
         }
     }
 
@@ -315,9 +327,13 @@ impl Walked {
         for contact in middle {
             match list.last_mut() {
                 // It goes on standing as it stood.
-                Some(last) if (contact.start - last.end).abs() < 1e-6 && last.part == contact.part => last.end = contact.end,
+                Some(last) if (contact.start - last.end).abs() < 1e-6 && last.part == contact.part => {
+                    last.end = contact.end
+                }
                 // A heel that the clip has up already stays up.
-                Some(last) if (contact.start - last.end).abs() < 1e-6 && last.part == Part::Ball => last.end = contact.end,
+                Some(last) if (contact.start - last.end).abs() < 1e-6 && last.part == Part::Ball => {
+                    last.end = contact.end
+                }
                 _ => list.push(contact),
             }
         }
@@ -398,5 +414,8 @@ fn stands(steps: &[Step], side: Side, time: f64) -> bool {
 }
 
 fn plant_at(start: &[Plant; 2], steps: &[Step], side: Side, time: f64) -> Plant {
-    steps.iter().rfind(|step| step.side == side && step.land <= time + 1e-6).map_or(start[side as usize], |step| step.to)
+    steps
+        .iter()
+        .rfind(|step| step.side == side && step.land <= time + 1e-6)
+        .map_or(start[side as usize], |step| step.to)
 }

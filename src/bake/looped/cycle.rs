@@ -76,8 +76,8 @@ struct Candidate {
     travel: DVec3,
 }
 
-/// The best cycle; or why there is none, with what would give one.
-pub(super) fn find(performance: &Performance, fps: f64) -> Result<Cycle, String> {
+/// Cycles, the best first; or why there is none, with what would give one. Never empty.
+pub(super) fn find(performance: &Performance, fps: f64) -> Result<Vec<Cycle>, String> {
     let timeline = &performance.timeline;
     let end = performance.lost.map_or(timeline.stands(), |lost| timeline.stands().min(lost - LOSING));
     if timeline.terrain.moves() {
@@ -92,7 +92,7 @@ pub(super) fn find(performance: &Performance, fps: f64) -> Result<Cycle, String>
             };
             let list = clips_own(performance, period, end, &travel);
             let found = best(timeline, list, true)?;
-            return found.map(|cycle| Cycle { clips: true, ..cycle }).ok_or_else(|| {
+            return clips_cycles(found).ok_or_else(|| {
                 format!(
                     "a base clip that walks is looped before it is disturbed, and from its second cycle on: give it {:.1} s",
                     2.0 * period + 0.1
@@ -105,7 +105,7 @@ pub(super) fn find(performance: &Performance, fps: f64) -> Result<Cycle, String>
             let mut list = clips_own(performance, period, end, &|_| DVec3::ZERO);
             list.retain(|one| stands(&performance.contacts, one.start - period, one.start + period));
             let found = best(timeline, list, false)?;
-            return found.map(|cycle| Cycle { clips: true, ..cycle }).ok_or_else(|| {
+            return clips_cycles(found).ok_or_else(|| {
                 format!(
                     "the base clip is looped where both feet stand for two of its cycles without a disturbance: give the scenario {:.1} s more",
                     2.0 * period
@@ -118,12 +118,13 @@ pub(super) fn find(performance: &Performance, fps: f64) -> Result<Cycle, String>
     let stepped = !strides.is_empty();
     let ground = &timeline.terrain.kind;
     let goes_on = matches!(ground, GroundKind::Flat | GroundKind::Slope { .. });
-    let walk = if goes_on { best(timeline, strides, true) } else { Ok(None) };
-    if let Ok(Some(cycle)) = walk {
-        return Ok(cycle);
+    let walk = if goes_on { best(timeline, strides, true) } else { Ok(Vec::new()) };
+    if walk.as_ref().is_ok_and(|cycles| !cycles.is_empty()) {
+        return walk;
     }
-    if let Ok(Some(cycle)) = best(timeline, spans(performance, end, fps), false) {
-        return Ok(cycle);
+    let stand = best(timeline, spans(performance, end, fps), false);
+    if stand.as_ref().is_ok_and(|cycles| !cycles.is_empty()) {
+        return stand;
     }
     Err(match walk {
         _ if stepped && !goes_on => {
@@ -259,24 +260,26 @@ fn spans(performance: &Performance, end: f64, fps: f64) -> Vec<Candidate> {
         .collect()
 }
 
-/// The best of them: of walks the last, of stands the longest of those that are about as good. An error where none is good enough.
-fn best(timeline: &Timeline, list: Vec<Candidate>, walks: bool) -> Result<Option<Cycle>, String> {
+fn clips_cycles(found: Vec<Cycle>) -> Option<Vec<Cycle>> {
+    let own: Vec<Cycle> = found.into_iter().map(|cycle| Cycle { clips: true, ..cycle }).collect();
+    (!own.is_empty()).then_some(own)
+}
+
+/// The best of them, best first: of walks that are about as good the last, of stands the longest. None for none; an error where none
+/// is good enough.
+fn best(timeline: &Timeline, list: Vec<Candidate>, walks: bool) -> Result<Vec<Cycle>, String> {
     let size = (timeline.body.leg_length / 0.83).max(1e-3);
-    let judged: Vec<(Candidate, f64, Off)> = list
+    let mut judged: Vec<(Candidate, f64, Off)> = list
         .into_iter()
         .map(|one| {
             let (worst, off) = apart(timeline, &one, size);
             (one, worst + ENDS * off.cost(size), off)
         })
         .collect();
-    let Some(least) = judged.iter().map(|(_, worst, _)| *worst).min_by(f64::total_cmp) else { return Ok(None) };
-    let as_good = judged.iter().filter(|(_, worst, _)| *worst <= least * AS_GOOD + 1e-3);
-    let chosen = as_good.max_by(|a, b| {
-        let order = |one: &Candidate| if walks { one.start } else { one.period };
-        order(&a.0).total_cmp(&order(&b.0))
-    });
-    let Some((one, _, off)) = chosen else { return Ok(None) };
-    if !off.within(&MOST[usize::from(!walks)], size) {
+    judged.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let Some((_, least, off)) = judged.first() else { return Ok(Vec::new()) };
+    let (most, as_good) = (&MOST[usize::from(!walks)], least * AS_GOOD + 1e-3);
+    if !off.within(most, size) {
         return Err(format!(
             "no two {} are alike: the best differ by {:.0} degrees, {:.0} cm and {:.2} m/s. Give it more time to become steady",
             if walks { "strides" } else { "moments of the stand" },
@@ -285,7 +288,19 @@ fn best(timeline: &Timeline, list: Vec<Candidate>, walks: bool) -> Result<Option
             off.speed
         ));
     }
-    Ok(Some(Cycle { start: one.start, period: one.period, travel: one.travel, walks, clips: false, off: *off }))
+    let order = |one: &Candidate| if walks { one.start } else { one.period };
+    let good = judged.partition_point(|(_, cost, _)| *cost <= as_good);
+    judged[..good].sort_by(|a, b| order(&b.0).total_cmp(&order(&a.0)));
+    judged.retain(|(_, _, off)| off.within(most, size));
+    let cycle = |(one, _, off): &(Candidate, f64, Off)| Cycle {
+        start: one.start,
+        period: one.period,
+        travel: one.travel,
+        walks,
+        clips: false,
+        off: *off,
+    };
+    Ok(judged.iter().map(cycle).collect())
 }
 
 /// What a cycle and the one before it differ by: the most of it, and what its ends differ by.

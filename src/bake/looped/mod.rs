@@ -15,10 +15,13 @@ use crate::bake::Performance;
 use crate::model::props::Prop;
 use crate::model::scenario::Scenario;
 use crate::rig::{Rig, clips};
+use cycle::Cycle;
 use motion::Looped;
 
 /// What a clip's name ends in for Godot to loop it.
 const MARK: &str = "_loop";
+/// Cycles that are baked at most, to find one that nothing pops in.
+const MOST_TRIED: usize = 6;
 /// rad and m: what moves by less is still.
 const STILL: [f64; 2] = [0.1 * std::f64::consts::PI / 180.0, 1e-3];
 
@@ -30,8 +33,39 @@ pub(super) fn bake(
     performance: Performance,
     seed: u64,
 ) -> Result<Baked, BakeError> {
-    let cycle = cycle::find(&performance, options.fps).map_err(|why| BakeError::NoCycle { why })?;
-    let looped = Looped::new(&performance, cycle)?;
+    let cycles = cycle::find(&performance, options.fps).map_err(|why| BakeError::NoCycle { why })?;
+    // Strides differ by what was mended in each: what counts is what the clip shows.
+    let mut best: Option<(usize, Baked)> = None;
+    let mut refused = None;
+    for cycle in cycles.into_iter().take(MOST_TRIED) {
+        let baked = match bake_one(rig, scenario, options, &performance, (cycle, seed)) {
+            Ok(baked) => baked,
+            Err(error) => {
+                refused = Some(error);
+                continue;
+            }
+        };
+        let pops = baked.findings.as_ref().map_or(usize::MAX, |found| found.joints.pops.len());
+        if best.as_ref().is_none_or(|(least, _)| pops < *least) {
+            best = Some((pops, baked));
+        }
+        if pops == 0 {
+            break;
+        }
+    }
+    let none = || BakeError::NoCycle { why: "the motion has no cycle".into() };
+    best.map(|(_, baked)| baked).ok_or_else(|| refused.unwrap_or_else(none))
+}
+
+/// Bakes that cycle.
+fn bake_one(
+    rig: &Rig,
+    scenario: &Scenario,
+    options: &BakeOptions,
+    performance: &Performance,
+    (cycle, seed): (Cycle, u64),
+) -> Result<Baked, BakeError> {
+    let looped = Looped::new(performance, cycle)?;
     let name = name(options.name.as_deref(), &scenario.title, &clips::clip_names(rig));
     let whole = keyed_clip(&KeyInput {
         rig,
@@ -52,13 +86,13 @@ pub(super) fn bake(
     let clip = laid(options.root);
     // Feet of a clip without its travel slide by design: what can be measured is the same motion with it.
     let travelling = (options.root == RootMotion::InPlace).then(|| laid(RootMotion::Root));
-    let input = told::Told { rig, scenario, seed, root: options.root, performance: &performance, looped: &looped };
+    let input = told::Told { rig, scenario, seed, root: options.root, performance, looped: &looped };
     let (report, findings, mut warnings) = told::tell(&input, &clip, travelling.as_ref().unwrap_or(&clip));
     if still(&looped) {
         warnings.push("nothing moves in the loop: a stand that is left alone is still".into());
     }
-    let props = beside(&performance, &looped, options.root);
-    Ok(Baked { clip, report, performance, findings, props, warnings, choice: None })
+    let props = beside(performance, &looped, options.root);
+    Ok(Baked { clip, report, performance: performance.clone(), findings, props, warnings, choice: None })
 }
 
 /// A name that no clip of the rig has and that Godot loops by.

@@ -1,0 +1,183 @@
+//! Feet of a walking clip, held while they bear.
+//!
+//! Captured and keyed feet slide by millimetres to centimetres while they bear. Here each contact has one place: the foot turns about
+//! its heel until it is flat, lies, and turns about its ball until it leaves; what that costs is taken back in the swing. Scenario
+//! space, metres, seconds. Rigs without toes roll over the tip of the sole.
+
+use super::BaseFrame;
+use super::bearing::Bears;
+use super::foot::to_ball;
+use super::gait::Fall;
+use crate::maths::curve::smooth3;
+use crate::model::{Body, Plant, Role, Side};
+use crate::whole_body::FootTarget;
+use crate::whole_body::stand::foot_yaw;
+use glam::{DQuat, DVec3};
+
+/// m at a leg of 0.83 m: a heel or ball that is farther over the other's floor is up.
+const UP: f64 = 0.015;
+/// m at a leg of 0.83 m: a foot that is so far from where it lies does not stand there yet, or no more.
+const OFF: f64 = 0.05;
+/// m, the same of its height.
+const OVER: f64 = 0.012;
+
+/// A foot as a clip has it: ankle, foot and toe.
+#[derive(Clone, Copy, Debug)]
+struct Posed {
+    ankle: DVec3,
+    foot: DQuat,
+    toe: DQuat,
+}
+
+/// A foot's targets, held while it bears, and when it does.
+pub(super) fn hold(
+    body: &Body,
+    side: Side,
+    frames: &[BaseFrame],
+    contacts: &[&Bears],
+    (fps, size): (f64, f64),
+    (exact, other): (&[usize], &dyn Fn(usize) -> bool),
+) -> (Vec<FootTarget>, Vec<Fall>) {
+    let shape = &body.feet[side as usize];
+    let role = if side == Side::Left { Role::LeftFoot } else { Role::RightFoot };
+    let ankle = body.joint(role).unwrap_or(shape.ankle);
+    let posed: Vec<Posed> = frames
+        .iter()
+        .map(|frame| {
+            let positions = frame.pose.positions(body);
+            let foot = frame.pose.turns[ankle];
+            let toe = shape.toe.map_or(foot, |toe| frame.pose.turns[toe]);
+            Posed { ankle: positions[ankle], foot, toe }
+        })
+        .collect();
+    let to_ball = to_ball(body, side);
+    let to_heel = shape.heel_point();
+    let mut held: Vec<Option<Posed>> = vec![None; posed.len()];
+    let mut falls = Vec::new();
+    for contact in contacts {
+        let (mut first, mut last) = (contact.start, contact.end);
+        let heel = |frame: usize| (posed[frame].ankle + posed[frame].foot * to_heel).y;
+        let ball = |frame: usize| {
+            let at = posed[frame].ankle + posed[frame].foot * to_ball;
+            // Over the ball is the sole, lower by what the foot's own shape has.
+            at.y - (to_ball_height(body, side))
+        };
+        let flat_from = (first..=last).find(|frame| ball(*frame) - heel(*frame) < UP * size).unwrap_or(first);
+        let flat_to = (flat_from..=last).rfind(|frame| heel(*frame) - ball(*frame) < UP * size).unwrap_or(last);
+        let middle = (flat_from + flat_to) / 2;
+        let kept = exact.iter().copied().find(|frame| (first..=last).contains(frame));
+        let mut lies = posed[kept.map_or(middle, |frame| frame.clamp(flat_from, flat_to))];
+        let (from, to) = (posed[flat_from], posed[flat_to]);
+        // Where it is not yet, or no more, it does not stand.
+        let away = |frame: usize, to_point: DVec3| {
+            let off = posed[frame].ankle + posed[frame].foot * to_point - lies.ankle - lies.foot * to_point;
+            off.y > OVER * size || (off * DVec3::new(1.0, 0.0, 1.0)).length() > OFF * size
+        };
+        while first < flat_from && away(first, to_heel) && other(first) {
+            first += 1;
+        }
+        while last > flat_to && away(last, to_ball) && other(last) && other(last - 1) {
+            last -= 1;
+        }
+        let kept = kept.filter(|frame| (first..=last).contains(frame));
+        // What it turns about then is where the clip has it.
+        match kept {
+            Some(frame) if frame < flat_from => {
+                let heel_of = |posed: &Posed| posed.ankle + posed.foot * to_heel;
+                lies.ankle += heel_of(&posed[frame]) - heel_of(&lies);
+            }
+            Some(frame) if frame > flat_to => {
+                let ball_of = |posed: &Posed| posed.ankle + posed.foot * to_ball;
+                lies.ankle += ball_of(&posed[frame]) - ball_of(&lies);
+            }
+            _ => {}
+        }
+        let heel_at = lies.ankle + lies.foot * to_heel;
+        let ball_at = lies.ankle + lies.foot * to_ball;
+        for frame in first..=last {
+            let own = posed[frame];
+            held[frame] = Some(if frame < flat_from {
+                let foot = (own.foot * from.foot.inverse() * lies.foot).normalize();
+                let toe = (own.toe * from.toe.inverse() * lies.toe).normalize();
+                Posed { ankle: heel_at - foot * to_heel, foot, toe }
+            } else if frame <= flat_to {
+                lies
+            } else {
+                let foot = (own.foot * to.foot.inverse() * lies.foot).normalize();
+                Posed { ankle: ball_at - foot * to_ball, foot, toe: lies.toe }
+            });
+            // A clip whose feet slide by more than can be mended slides on.
+            if let Some(held) = &mut held[frame] {
+                held.ankle = own.ankle + (held.ankle - own.ankle).clamp_length_max(OFF * size);
+            }
+        }
+        let yaw = foot_yaw(body, side, lies.foot);
+        let time = |frame: usize| frame as f64 / fps;
+        falls.push(Fall {
+            side,
+            down: time(first),
+            flat: time(flat_from),
+            ball: time(flat_to),
+            up: time(last),
+            plant: Plant::level(DVec3::new(lies.ankle.x, 0.0, lies.ankle.z), yaw),
+        });
+    }
+    // In the air: what the two contacts took is handed over on the way.
+    let count = posed.len();
+    let mut frame = 0;
+    while frame < count {
+        if held[frame].is_some() {
+            frame += 1;
+            continue;
+        }
+        let begin = frame;
+        while frame < count && held[frame].is_none() {
+            frame += 1;
+        }
+        let off = |at: Option<usize>| {
+            at.and_then(|at| held[at].map(|held| (at, held))).map(|(at, held)| {
+                let own = posed[at];
+                (held.ankle - own.ankle, held.foot * own.foot.inverse(), held.toe * own.toe.inverse())
+            })
+        };
+        let before = off(begin.checked_sub(1));
+        let after = off((frame < count).then_some(frame));
+        let none = (DVec3::ZERO, DQuat::IDENTITY, DQuat::IDENTITY);
+        let (from, to) = (before.or(after).unwrap_or(none), after.or(before).unwrap_or(none));
+        let kept = exact.iter().copied().find(|exact| (begin..frame).contains(exact));
+        for at in begin..frame {
+            let along = |from: usize, to: usize| smooth3((at + 1 - from) as f64 / (to + 1 - from).max(1) as f64);
+            let (from, to, share) = match kept {
+                Some(kept) if at <= kept => (from, none, along(begin, kept)),
+                Some(kept) => (none, to, along(kept, frame)),
+                None => (from, to, along(begin, frame)),
+            };
+            let share = if kept == Some(at) { 1.0 } else { share };
+            let own = posed[at];
+            held[at] = Some(Posed {
+                ankle: own.ankle + from.0.lerp(to.0, share),
+                foot: (from.1.slerp(to.1, share) * own.foot).normalize(),
+                toe: (from.2.slerp(to.2, share) * own.toe).normalize(),
+            });
+        }
+    }
+    let target = |held: &Option<Posed>, own: &Posed| {
+        let held = held.as_ref().unwrap_or(own);
+        FootTarget {
+            ankle: held.ankle,
+            foot: held.foot,
+            toe: held.toe,
+            yaw: foot_yaw(body, side, held.foot),
+            soft: 0.0,
+            bend: None,
+        }
+    };
+    (held.iter().zip(&posed).map(|(held, own)| target(held, own)).collect(), falls)
+}
+
+/// m, how far the ball joint is over the sole of a level foot.
+fn to_ball_height(body: &Body, side: Side) -> f64 {
+    let shape = &body.feet[side as usize];
+    let levelled = shape.level * to_ball(body, side);
+    levelled.y + shape.ankle_height
+}

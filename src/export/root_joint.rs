@@ -1,0 +1,102 @@
+//! The node that carries root motion as a joint of the skins: an engine whose skeletons are made of joints alone has no root bone else.
+//!
+//! Only on demand: it is the one thing that changes a source's skins. Joints keep their order and are appended to, so vertices keep
+//! theirs; the inverse bind matrices are a new accessor, the old ones with one matrix more a new joint. The nodes between the carrier
+//! and the skin's topmost joints become joints too, that no bone hangs from what is none. No vertex has a weight there.
+
+use super::ExportError;
+use super::buffers::Joined;
+use super::glb::list;
+use crate::model::Target;
+use crate::rig::Rig;
+use crate::rig::nodes::globals;
+use glam::DAffine3;
+use serde_json::{Map, Value, json};
+use std::collections::BTreeSet;
+
+/// Appends the carrier, at node `index` of the file, to the skins of the joints under it: what was changed, as sentences.
+pub(super) fn add(
+    rig: &Rig,
+    carrier: Target,
+    index: usize,
+    root: &mut Map<String, Value>,
+    buffer: &mut Joined,
+) -> Result<Vec<String>, ExportError> {
+    let bind = globals(&rig.nodes, |node| node.bind);
+    let top = rig.new_root_children();
+    // From a node up to the carrier: the nodes between; `None` where it is not under it.
+    let between = |joint: usize| {
+        let (mut path, mut at) = (Vec::new(), rig.nodes[joint].parent);
+        let mut last = joint;
+        while let Some(node) = at.filter(|node| carrier != Target::Node(*node)) {
+            path.push(node);
+            (last, at) = (node, rig.nodes[node].parent);
+        }
+        (at.is_some() || (carrier == Target::NewRoot && top.contains(&last))).then_some(path)
+    };
+    let mut changes = Vec::new();
+    let skins = rig.document.list("skins").len();
+    for skin in 0..skins {
+        let joints: BTreeSet<usize> = rig.document.list("skins")[skin]["joints"]
+            .as_array()
+            .map(|joints| {
+                joints.iter().filter_map(Value::as_u64).filter_map(|joint| usize::try_from(joint).ok()).collect()
+            })
+            .unwrap_or_default();
+        let known = |joint: &usize| *joint < rig.nodes.len();
+        let paths: Vec<Vec<usize>> = joints.iter().copied().filter(known).filter_map(between).collect();
+        if paths.is_empty() || joints.contains(&index) {
+            continue;
+        }
+        let mut new: Vec<(usize, DAffine3)> = vec![(
+            index,
+            match carrier {
+                Target::Node(node) => bind[node],
+                _ => DAffine3::IDENTITY,
+            },
+        )];
+        let nodes: BTreeSet<usize> = paths.into_iter().flatten().filter(|node| !joints.contains(node)).collect();
+        new.extend(nodes.into_iter().map(|node| (node, bind[node])));
+        let matrices = matrices(rig, skin, &new)?;
+        let Some(fields) = list(root, "skins").get_mut(skin).and_then(Value::as_object_mut) else { continue };
+        list(fields, "joints").extend(new.iter().map(|(node, _)| Value::from(*node)));
+        if fields.contains_key("skeleton") {
+            fields.insert("skeleton".into(), index.into());
+        }
+        if let Some(matrices) = matrices {
+            let count = matrices.len() / 16;
+            let data: Vec<u8> = matrices.iter().flat_map(|part| part.to_le_bytes()).collect();
+            let at = buffer.append(&data);
+            let view = list(root, "bufferViews").len();
+            list(root, "bufferViews").push(json!({ "buffer": 0, "byteOffset": at, "byteLength": data.len() }));
+            let accessor = list(root, "accessors").len();
+            let kind = json!({ "bufferView": view, "componentType": 5126, "count": count, "type": "MAT4" });
+            list(root, "accessors").push(kind);
+            list(root, "skins")[skin]["inverseBindMatrices"] = accessor.into();
+        }
+        changes.push(format!("skin {skin}: {} joined it as a root bone for the engine", names(rig, carrier, &new)));
+    }
+    Ok(changes)
+}
+
+/// The skin's inverse bind matrices and those of the new joints; `None` where it has none, which is the identity for all.
+fn matrices(rig: &Rig, skin: usize, new: &[(usize, DAffine3)]) -> Result<Option<Vec<f32>>, ExportError> {
+    let accessor = rig.document.list("skins")[skin]["inverseBindMatrices"].as_u64();
+    let Some(accessor) = accessor.and_then(|accessor| usize::try_from(accessor).ok()) else { return Ok(None) };
+    let read = rig.document.read_f32s(accessor, &format!("skins[{skin}].inverseBindMatrices"));
+    let mut values =
+        read.map_err(|fault| ExportError::Document { reason: fault.in_file("the rig").to_string() })?.values;
+    for (_, bind) in new {
+        let inverse = glam::DMat4::from(bind.inverse()).to_cols_array();
+        values.extend(inverse.map(|part| if part.is_finite() { part as f32 + 0.0 } else { 0.0 }));
+    }
+    Ok(Some(values))
+}
+
+fn names(rig: &Rig, carrier: Target, new: &[(usize, DAffine3)]) -> String {
+    let name = |(at, (node, _)): (usize, &(usize, DAffine3))| match (at, carrier) {
+        (0, Target::NewRoot) => "Root".to_owned(),
+        _ => rig.nodes.get(*node).and_then(|node| node.name.clone()).unwrap_or_else(|| format!("node {node}")),
+    };
+    new.iter().enumerate().map(name).collect::<Vec<_>>().join(", ")
+}
