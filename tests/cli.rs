@@ -156,7 +156,8 @@ fn a_base_clip_that_is_not_there_is_told_with_the_remedy() {
     let own = format!("{SHOVE}\n[base]\nclip = \"Idle\"\n");
     let file = format!("{SHOVE}\n[base]\nfile = \"walk.bvh\"\n");
     let broken = format!("{SHOVE}\n[base]\nfile = \"broken.bvh\"\n");
-    let shell = Shell::with(&[("s.toml", &own), ("f.toml", &file), ("b.toml", &broken), ("broken.bvh", "HIERARCHY\nROOT")]);
+    let shell =
+        Shell::with(&[("s.toml", &own), ("f.toml", &file), ("b.toml", &broken), ("broken.bvh", "HIERARCHY\nROOT")]);
     shell.run("bake builtin s.toml -o out.glb").exits(2).says(&["[base]", "no clips of its own", "file = "]);
     shell.run("bake builtin f.toml -o out.glb").exits(2).says(&["walk.bvh", "no such file"]);
     shell.run("bake builtin b.toml -o out.glb").exits(2).says(&["[base]", "broken.bvh"]);

@@ -47,6 +47,7 @@ pub fn report(clip: &Clip) -> ClipReport {
         assist: Assist::default(),
         torques: Vec::new(),
         base: None,
+        looped: None,
         plausibility: Plausibility::default(),
     }
 }

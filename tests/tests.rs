@@ -48,6 +48,8 @@ mod legs;
 mod limits;
 /// Rigs x directions x impulses, and the table of what came out; `benches/limits.rs` prints it.
 mod limits_grid;
+/// Loops: seams, travel, names, what has no cycle.
+mod looped;
 /// What the measures say of a walk over force plates.
 mod measure;
 /// Clips of every kind: sizes, ways, feet, writing back.
@@ -60,6 +62,8 @@ mod picture;
 mod ragdoll;
 /// The articulated body walking.
 mod ragdoll_walk;
+/// What trunk, head and arms do of a push: delays, where it struck, mirror images, seeds, breath.
+mod reaction;
 /// Clips on other bodies: directions, held feet, knees.
 mod retarget;
 /// `surefoot retarget` at the shell: files, words, what it refuses.
@@ -68,8 +72,6 @@ mod retarget_cli;
 mod retarget_grid;
 /// Rigs made from others or from nothing: scales, axes, skins, naming conventions, lacking bones, overrides.
 mod rig_variants;
-/// What trunk, head and arms do of a push: delays, where it struck, mirror images, seeds, breath.
-mod reaction;
 /// Real rigs: bones, height, heading, unit.
 mod rigs;
 /// Soles in plan: apart and uncrossed.

@@ -8,7 +8,7 @@ use super::timeline::Timeline;
 use crate::maths::curve::smooth3;
 use crate::model::props::{Prop, PropKey, Shape};
 use crate::model::scenario::{Carry, Scenario};
-use crate::model::{Body, Load, Physique, load};
+use crate::model::{Body, BodyPose, Load, Physique, load};
 use crate::whole_body::{Anatomy, Grip, Hold, stand};
 use glam::DVec3;
 
@@ -133,9 +133,13 @@ pub fn physiques(
 
 /// The boxes as things to see: there while they are held.
 pub fn props(timeline: &Timeline) -> Vec<Prop> {
-    let duration = timeline.duration();
+    boxes(&timeline.body, &timeline.loads, timeline.duration(), &|time| timeline.pose_at(time))
+}
+
+/// The same of any motion, s long.
+pub fn boxes(body: &Body, loads: &[Load], duration: f64, pose_at: &dyn Fn(f64) -> BodyPose) -> Vec<Prop> {
     let frames = (duration * 30.0).ceil().max(1.0) as usize;
-    let name = |index: usize| if timeline.loads.len() == 1 { "box".to_owned() } else { format!("box_{}", index + 1) };
+    let name = |index: usize| if loads.len() == 1 { "box".to_owned() } else { format!("box_{}", index + 1) };
     let one = |(index, load): (usize, &Load)| {
         let mut times: Vec<f64> = (0..=frames).map(|frame| duration * frame as f64 / frames as f64).collect();
         times.extend(load.span.iter().copied().filter(|edge| *edge > 0.0 && *edge < duration));
@@ -143,8 +147,8 @@ pub fn props(timeline: &Timeline) -> Vec<Prop> {
         times.dedup_by(|later, earlier| *later - *earlier < 1e-6);
         let mut keys: Vec<PropKey> = Vec::with_capacity(times.len());
         for time in times.into_iter().filter(|time| *time >= load.span[0] && *time <= load.span[1]) {
-            let pose = timeline.pose_at(time);
-            let positions = pose.positions(&timeline.body);
+            let pose = pose_at(time);
+            let positions = pose.positions(body);
             keys.push(PropKey {
                 time,
                 translation: load.centre_in(&pose, &positions),
@@ -155,7 +159,7 @@ pub fn props(timeline: &Timeline) -> Vec<Prop> {
         hide_beyond(&mut keys, duration);
         Prop { keys, ..Prop::standing(&name(index), Shape::Box(load.size), CARDBOARD) }
     };
-    timeline.loads.iter().enumerate().map(one).filter(|prop| !prop.keys.is_empty()).collect()
+    loads.iter().enumerate().map(one).filter(|prop| !prop.keys.is_empty()).collect()
 }
 
 /// Hides a thing before its first key and after its last, where the clip goes on there.

@@ -17,6 +17,7 @@ pub mod footing;
 pub mod keys;
 mod knees;
 mod leg_chain;
+mod looped;
 pub mod perform;
 pub mod props;
 pub mod ragdoll;
@@ -57,6 +58,8 @@ pub struct BakeOptions {
     pub drive: Drive,
     /// What it starts from and returns to, on the body that is baked.
     pub base: Option<Arc<Base>>,
+    /// Only a cycle of it, without a seam.
+    pub looped: bool,
 }
 
 /// A baked clip and what is known of it.
@@ -92,6 +95,12 @@ pub enum BakeError {
     /// The base clip cannot be one.
     #[error(transparent)]
     Base(#[from] base::BaseError),
+    /// There is no cycle in the motion.
+    #[error("there is no cycle to loop: {why}")]
+    NoCycle {
+        /// And what would give one.
+        why: String,
+    },
     /// The articulated body cannot play that yet.
     #[error("the ragdoll cannot play {parts} yet; bake with `--drive stepper`")]
     Unplayed {
@@ -102,7 +111,15 @@ pub enum BakeError {
 
 impl Default for BakeOptions {
     fn default() -> BakeOptions {
-        BakeOptions { name: None, fps: 30.0, seed: None, root: RootMotion::Root, drive: Drive::Stepper, base: None }
+        BakeOptions {
+            name: None,
+            fps: 30.0,
+            seed: None,
+            root: RootMotion::Root,
+            drive: Drive::Stepper,
+            base: None,
+            looped: false,
+        }
     }
 }
 
@@ -125,6 +142,9 @@ fn bake_by(rig: &Rig, scenario: &Scenario, options: &BakeOptions, drive: Drive) 
     };
     let seed = options.seed.unwrap_or(scenario.seed);
     let performance = perform::perform_over(&body, scenario, seed, drive, options.base.as_ref())?;
+    if options.looped {
+        return looped::bake(rig, scenario, options, performance, seed);
+    }
     let name = options.name.clone().unwrap_or_else(|| safe_name(&scenario.title));
     let timeline = &performance.timeline;
     let heights = footing::heights(&performance);
@@ -171,15 +191,7 @@ fn interpolated(samples: &[f64], dt: f64, time: f64) -> f64 {
 
 /// A clip name that engines take: letters, digits, `_` and `-`; never at its ends the words that Godot loops by.
 pub fn safe_name(title: &str) -> String {
-    let mut name = String::new();
-    for character in title.chars() {
-        if character.is_alphanumeric() || character == '-' {
-            name.push(character);
-        } else if !name.is_empty() && !name.ends_with('_') {
-            name.push('_');
-        }
-    }
-    let name = name.trim_end_matches('_').to_string();
+    let name = safe_letters(title);
     let lower = name.to_lowercase();
     if name.is_empty() {
         "Reaction".into()
@@ -188,4 +200,17 @@ pub fn safe_name(title: &str) -> String {
     } else {
         name
     }
+}
+
+/// What of a title engines take.
+fn safe_letters(title: &str) -> String {
+    let mut name = String::new();
+    for character in title.chars() {
+        if character.is_alphanumeric() || character == '-' {
+            name.push(character);
+        } else if !name.is_empty() && !name.ends_with('_') {
+            name.push('_');
+        }
+    }
+    name.trim_end_matches('_').to_string()
 }

@@ -114,6 +114,7 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
         torques: performance.articulated.as_ref().map_or(Vec::new(), torques),
         plausibility,
         base,
+        looped: None,
     };
     let mut warnings = warnings(input, outcome, fallen);
     warnings.extend(performance.timeline.over.iter().flat_map(|over| over.notes().to_vec()));
@@ -155,7 +156,8 @@ fn outcome(performance: &Performance, findings: Option<&Findings>, steps: u32, d
     findings.map_or(Outcome::Still, |findings| findings.balance.outcome(steps))
 }
 
-fn told(rig: &Rig, contact: &FootContact, frame: Frame, slip_mm: f64) -> Contact {
+/// A contact as the file says it.
+pub(super) fn told(rig: &Rig, contact: &FootContact, frame: Frame, slip_mm: f64) -> Contact {
     let similarity = &rig.document_from_scenario;
     Contact {
         foot: contact.side,

@@ -185,6 +185,7 @@ fn report(
         seed: 0,
         root_motion: options.root.name().into(),
         base: None,
+        looped: None,
         drive: "retarget".into(),
         scenario: source.name.clone(),
         outcome: findings.as_ref().map_or(Outcome::Still, |findings| findings.balance.outcome(steps)),

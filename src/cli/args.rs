@@ -85,6 +85,9 @@ pub struct BakeArgs {
     /// Also write the ground, the platform, boxes and balls into the file, as animated nodes
     #[arg(long)]
     pub props: bool,
+    /// Bake only a cycle that begins again without a seam: a stride of a steady walk, or of a stand; its name ends in _loop
+    #[arg(long = "loop")]
+    pub looped: bool,
     /// Also write, beside the clip, what turns its contacts and events into an engine's own: three, blender, bevy, godot, unity, unreal
     #[arg(long, value_name = "NAME,..", value_delimiter = ',', value_parser = engine)]
     pub engine: Vec<&'static Engine>,

@@ -176,6 +176,15 @@ fn summary(baked: &Baked, name: &str, places: &Places, size: usize) -> String {
             ),
         );
     }
+    if let Some(cycle) = &report.looped {
+        line(
+            "loop",
+            format_args!(
+                "a cycle of {:.2} s at {:.2} m/s: its last frame is {:.2} degrees and {:.1} mm from its first; {:.1} degrees and {:.0} mm were evened out",
+                cycle.period, cycle.speed, cycle.error_deg, cycle.error_mm, cycle.evened_deg, cycle.evened_mm
+            ),
+        );
+    }
     line("body", format_args!("{:.1} kg, {:.2} m", report.body.mass, report.body.height));
     line("outcome", format_args!("{}", outcome(baked)));
     for (index, push) in report.disturbances.iter().enumerate() {
@@ -252,6 +261,7 @@ fn outcome(baked: &Baked) -> String {
     match report.outcome {
         Outcome::Still => "still: nothing moved".to_owned(),
         Outcome::Sway => "sway: the feet stayed where they were".to_owned(),
+        Outcome::Step if report.looped.is_some() => format!("step: {steps} a cycle"),
         Outcome::Step => format!("step: {steps}, and it stands"),
         Outcome::Fall => match baked.fall() {
             Some(Fall::Down(_)) => format!("fall: balance was lost after {steps}, and it goes down"),

@@ -64,9 +64,12 @@ pub fn bake(rig: &Rig, scenario: &Scenario, base: Option<Arc<Base>>, args: &Bake
         args::Drive::Stepper => Drive::Stepper,
         args::Drive::Ragdoll => Drive::Ragdoll(helped),
     };
-    let options = BakeOptions { name: args.clip.clone(), fps: args.fps, seed: args.seed, root, drive, base };
+    let options =
+        BakeOptions { name: args.clip.clone(), fps: args.fps, seed: args.seed, root, drive, base, looped: args.looped };
     bake::bake(rig, scenario, &options).map_err(|error| match error {
-        BakeError::Unplayed { .. } | BakeError::Base(_) => Failure::bad_input(error.to_string()),
+        BakeError::Unplayed { .. } | BakeError::Base(_) | BakeError::NoCycle { .. } => {
+            Failure::bad_input(error.to_string())
+        }
         error => Failure::failed(error.to_string()),
     })
 }
@@ -181,5 +184,6 @@ fn foreign(rig: &Rig, clip: &Clip) -> ClipReport {
         torques: Vec::new(),
         plausibility: Plausibility::default(),
         base: None,
+        looped: None,
     }
 }

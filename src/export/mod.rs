@@ -95,6 +95,7 @@ pub(crate) mod tests {
             torques: Vec::new(),
             plausibility: Plausibility::default(),
             base: None,
+            looped: None,
         }
     }
 }

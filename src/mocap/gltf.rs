@@ -71,7 +71,7 @@ impl Gltf {
         let Some((start, end)) = tracks.span() else {
             return Err(MocapError::NoClip { file: file.into(), what: format!("clip \"{clip}\" moves no node") });
         };
-        let fps = options.fps.unwrap_or_else(|| {
+        let fps = options.fps.or_else(|| told_rate(&self.document, index)).unwrap_or_else(|| {
             rate::of_keys(tracks.list.iter().map(|track| track.times.as_slice()), start).unwrap_or(rate::DEFAULT)
         });
         let keys = tracks.list.iter().map(|track| track.times.len()).max().unwrap_or(0);
@@ -132,6 +132,12 @@ impl Gltf {
             .sum();
         if shown.y > 0.2 { DVec3::Y } else { nearest_axis(shown) }
     }
+}
+
+/// Hz: the rate at which a clip was baked here; keys at the edges of contacts do not tell it.
+fn told_rate(document: &Document, index: usize) -> Option<f64> {
+    let told = document.list("animations").get(index)?.pointer("/extras/surefoot/fps")?.as_f64()?;
+    (told.is_finite() && (1.0..=1000.0).contains(&told)).then_some(told)
 }
 
 /// The disturbances that a clip which was baked here tells in its extras.

@@ -31,6 +31,26 @@ pub struct ClipReport {
     /// Where it starts from and returns to.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub base: Option<BaseReport>,
+    /// Of a clip that is a cycle.
+    #[serde(rename = "loop", skip_serializing_if = "Option::is_none", default)]
+    pub looped: Option<LoopReport>,
+}
+
+/// A cycle without a seam.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LoopReport {
+    /// s.
+    pub period: f64,
+    /// Degrees: the joint whose last key is turned the most from its first.
+    pub error_deg: f64,
+    /// mm: the joint whose last place is the farthest from its first, relative to the root.
+    pub error_mm: f64,
+    /// m/s, the root's.
+    pub speed: f64,
+    /// Degrees, what the ends of the performed motion differed by before it was evened out.
+    pub evened_deg: f64,
+    /// mm, the same of the hips.
+    pub evened_mm: f64,
 }
 
 /// The base clip, and how far the first and the last frame are from its pose: horizontal place and heading apart.

@@ -162,6 +162,7 @@ pub(crate) mod tests {
             assist: Assist::default(),
             torques: Vec::new(),
             base: None,
+            looped: None,
             plausibility: Plausibility { score: 0.91, zmp_inside: 0.98, slip_max_mm: 0.4, ..Plausibility::default() },
         }
     }

@@ -29,14 +29,28 @@ const IMPULSES: [f64; 4] = [25.0, 50.0, 75.0, 100.0];
 
 fn main() {
     let folder = std::env::var_os("SUREFOOT_DATA").map(PathBuf::from);
-    let folder = folder.unwrap_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data")).join("rigs");
+    let folder =
+        folder.unwrap_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data")).join("rigs");
     if !folder.is_dir() {
         println!("skipped: no third-party rigs in {}", folder.display());
         return;
     }
     println!(
         "{:<34}{:>6}{:>6}{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}{:>7}{:>10}{:>8}",
-        "% of clips that hold", "clips", "fell", "zmp>95", "out<3", "out<10", "mu<.6", "vert>.2", "res<.7", "mom<1.2", "slip<2", "score", "ends deg", "mm"
+        "% of clips that hold",
+        "clips",
+        "fell",
+        "zmp>95",
+        "out<3",
+        "out<10",
+        "mu<.6",
+        "vert>.2",
+        "res<.7",
+        "mom<1.2",
+        "slip<2",
+        "score",
+        "ends deg",
+        "mm"
     );
     for (rig, file, clip) in RIGS {
         let rig_file = folder.join(rig);
@@ -94,9 +108,8 @@ fn row(name: &str, reports: &[ClipReport]) {
         100.0 * stands.iter().filter(|report| holds(report)).count() as f64 / count
     };
     let of = |pick: &dyn Fn(&ClipReport) -> f64| stands.iter().map(|report| pick(report)).fold(0.0, f64::max);
-    let ends = |pick: fn(&surefoot::model::report::BaseReport) -> f64| {
-        of(&|report| report.base.as_ref().map_or(0.0, pick))
-    };
+    let ends =
+        |pick: fn(&surefoot::model::report::BaseReport) -> f64| of(&|report| report.base.as_ref().map_or(0.0, pick));
     println!(
         "{name:<34}{:>6}{:>6}{:>8.0}{:>8.0}{:>8.0}{:>8.0}{:>8.0}{:>8.0}{:>8.0}{:>8.0}{:>7.2}{:>10.3}{:>8.2}",
         reports.len(),
