@@ -1,5 +1,7 @@
 //! Base clips: what a reaction starts from, plays over and comes back to.
 
+#![expect(clippy::print_stdout, reason = "the tables are what a person runs these for")]
+
 use crate::common::builtin;
 use std::path::PathBuf;
 use std::sync::Arc;

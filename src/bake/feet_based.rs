@@ -11,7 +11,7 @@ pub(super) enum Based {
     /// There is none.
     Not,
     /// How they stand in it, and whether on the ball.
-    Stand([(FootOffset, bool); 2]),
+    Stand(Box<[(FootOffset, bool); 2]>),
     /// How they walk.
     Walk(Box<Walked>),
 }
@@ -19,7 +19,7 @@ pub(super) enum Based {
 impl FootCurves {
     /// The same, standing at first and at last as in a base clip; with each foot, whether it does so on its ball.
     pub fn over(self, base: [(FootOffset, bool); 2]) -> FootCurves {
-        FootCurves { base: Based::Stand(base), ..self }
+        FootCurves { base: Based::Stand(Box::new(base)), ..self }
     }
 
     /// The same, walking at first and at last as in a base clip.

@@ -228,7 +228,7 @@ pub fn perform_over(
         drawn: articulated.as_ref().map_or(Vec::new(), |run| run.run.upper[..count].to_vec()),
         feet: match &over {
             Some(Over::Stand(stood)) => curves.over(stood.feet_and_balls()),
-            Some(Over::Walk(walked)) => curves.over_walk(body, walked.clone()),
+            Some(Over::Walk(walked)) => curves.over_walk(body, walked.as_ref().clone()),
             None => curves,
         },
         over,

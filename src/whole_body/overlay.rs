@@ -64,11 +64,11 @@ impl Neutral {
             let arm = &anatomy.arms[side as usize];
             let root = arm.shoulder.unwrap_or(arm.upper);
             let chain = &mut chains[side as usize];
-            for joint in 0..turns.len() {
+            for (joint, rigid) in rigid.iter_mut().enumerate() {
                 let hangs = body.joints[joint].parent.is_some_and(|parent| chain.contains(&parent));
                 if joint == root || joint == arm.upper || hangs {
                     chain.push(joint);
-                    rigid[joint] = ![Some(root), Some(arm.upper), Some(arm.lower)].contains(&Some(joint));
+                    *rigid = ![Some(root), Some(arm.upper), Some(arm.lower)].contains(&Some(joint));
                 }
             }
         }

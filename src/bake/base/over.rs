@@ -13,16 +13,16 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub enum Over {
     /// One that stands.
-    Stand(Stood),
+    Stand(Box<Stood>),
     /// One that walks.
-    Walk(Walked),
+    Walk(Box<Walked>),
 }
 
 impl Over {
     /// Measures a clip for a bake of a scenario.
     pub fn new(base: &Arc<Base>, body: &Body, anatomy: &Anatomy, scenario: &Scenario) -> Result<Over, BaseError> {
         if !base.walks {
-            return Stood::new(base.clone(), body, anatomy).map(Over::Stand);
+            return Stood::new(base.clone(), body, anatomy).map(|stood| Over::Stand(Box::new(stood)));
         }
         let busy = [
             (!scenario.walk.is_empty(), "[[walk]]"),
@@ -37,7 +37,7 @@ impl Over {
             let what = format!("walks, and over a walk {part} is not played: pushes and pulls are");
             return Err(BaseError::Unfit { name: base.name.clone(), what });
         }
-        Walked::new(base.clone(), body, anatomy, scenario.duration).map(Over::Walk)
+        Walked::new(base.clone(), body, anatomy, scenario.duration).map(|walked| Over::Walk(Box::new(walked)))
     }
 
     /// How much of the reaction is left at a time: `busy` (s) is when the last landing and the last disturbance are over.

@@ -32,6 +32,9 @@ const AFTER: f64 = 3.0;
 /// s of gait that are made beyond the clip's end.
 const BEYOND: f64 = 6.0;
 
+/// Runs the stepper under pushes; with each, whether its direction is the character's own.
+pub type Run<'a> = dyn Fn(&SimulateOptions, &[(KnownPush, bool)]) -> Trace + 'a;
+
 /// A base clip that walks, and how clip and stepper are joined.
 #[derive(Clone, Debug)]
 pub struct Walked {
@@ -128,13 +131,7 @@ impl Walked {
     }
 
     /// The stepper's run that goes on from the clip at the time `from`. `run` runs it under pushes.
-    pub fn walk_on(
-        &self,
-        from: f64,
-        options: &SimulateOptions,
-        pushes: &[(KnownPush, bool)],
-        run: &dyn Fn(&SimulateOptions, &[(KnownPush, bool)]) -> Trace,
-    ) -> Trace {
+    pub fn walk_on(&self, from: f64, options: &SimulateOptions, pushes: &[(KnownPush, bool)], run: &Run) -> Trace {
         let bare = run(&SimulateOptions { duration: WARM.max(from) + 4.0 + self.gait.period, ..*options }, &[]);
         let ago = self.beat(from, &bare.steps, bare.dt);
         let later = |(push, turns): &(KnownPush, bool)| {
