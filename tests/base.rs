@@ -185,6 +185,30 @@ fn a_walk_is_pushed_and_walks_on_as_before() {
     }
 }
 
+#[test]
+fn a_captured_walk_of_another_skeleton_goes_on_is_pushed_and_comes_back() {
+    let Some(data) = data() else {
+        println!("skipped: no third-party clips");
+        return;
+    };
+    for (clip, rig) in [("cmu_02_01_walk.bvh", None), ("pab_walk.fbx", Some("m2m_human_male.glb"))] {
+        let rig = rig.map_or_else(builtin, |file| load(&data.join("rigs").join(file)).expect("the rig loads"));
+        let mut scenario = shoved(clip, 90.0, 30.0);
+        scenario.duration = 7.0;
+        let clips = mocap::load(&data.join("clips").join(clip)).expect("its clip loads");
+        let reading = clips.reading(0, &mocap::Options::default()).expect("it reads");
+        let base = prepare(&rig, &scenario, &reading, None).expect("it is a walk");
+        assert!(base.seconds() < 3.5, "the clip is shorter than what is baked");
+        let over = baked(&rig, &scenario, base);
+        row(clip, 30.0, &over);
+        let told = over.report.base.as_ref().expect("the clip says where it comes from");
+        assert!(told.first_deg < 0.1 && told.first_mm < 1.0, "{told:?}");
+        assert!(told.last_deg < 0.3 && told.last_mm < 2.0, "{told:?}");
+        assert!(over.report.plausibility.zmp_inside > 0.95 && over.report.plausibility.slip_max_mm < 2.0);
+        assert!(!matches!(over.report.outcome, Outcome::Fall));
+    }
+}
+
 fn row(name: &str, impulse: f64, baked: &Baked) {
     let told = baked.report.base.as_ref().expect("the clip says where it comes from");
     let measured = &baked.report.plausibility;

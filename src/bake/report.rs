@@ -282,6 +282,8 @@ fn warnings(input: &ReportInput, outcome: Outcome, fallen: Option<f64>) -> Vec<S
     let lost = performance.lost.filter(|lost| *lost <= input.clip.duration + 1e-9);
     let articulated = performance.articulated.is_some();
     let scenario = input.scenario;
+    // Over a base clip that walks it is to walk on.
+    let walks_on = matches!(performance.timeline.over, Some(base::Over::Walk(_)));
     let milder = match () {
         () if !scenario.push.is_empty() || !scenario.pull.is_empty() => "A weaker push",
         () if !scenario.throw.is_empty() => "Lighter balls",
@@ -310,7 +312,7 @@ fn warnings(input: &ReportInput, outcome: Outcome, fallen: Option<f64>) -> Vec<S
                 warnings.push(format!(
                     "balance is lost at {lost:.2} s, after the end of the clip: it ends in what becomes a fall"
                 ));
-            } else if trace.ticks.len() > performance.timeline.com.len() {
+            } else if trace.ticks.len() > performance.timeline.com.len() && !walks_on {
                 let needed = (trace.ticks.len() - 1) as f64 * trace.dt;
                 warnings.push(format!(
                     "the character is not at rest when the clip ends at {:.2} s: give the scenario duration = {:.1}",

@@ -62,8 +62,8 @@ pub(super) fn hold(
             // Over the ball is the sole, lower by what the foot's own shape has.
             at.y - (to_ball_height(body, side))
         };
-        let flat_from = (first..=last).find(|frame| ball(*frame) - heel(*frame) < UP * size).unwrap_or(first);
-        let flat_to = (flat_from..=last).rfind(|frame| heel(*frame) - ball(*frame) < UP * size).unwrap_or(last);
+        let flat_from = (first..=last).find(|frame| ball(*frame) - heel(*frame) < UP * size).unwrap_or(last);
+        let flat_to = (flat_from..=last).rfind(|frame| heel(*frame) - ball(*frame) < UP * size).unwrap_or(flat_from);
         let middle = (flat_from + flat_to) / 2;
         let kept = exact.iter().copied().find(|frame| (first..=last).contains(frame));
         let mut lies = posed[kept.map_or(middle, |frame| frame.clamp(flat_from, flat_to))];
