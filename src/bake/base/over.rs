@@ -21,6 +21,11 @@ pub enum Over {
 impl Over {
     /// Measures a clip for a bake of a scenario.
     pub fn new(base: &Arc<Base>, body: &Body, anatomy: &Anatomy, scenario: &Scenario) -> Result<Over, BaseError> {
+        if body.feet.iter().any(|foot| !body.joints[foot.ankle].animated) {
+            let what =
+                "is to play on a rig without foot bones, whose soles turn with the shanks: that is not done yet".into();
+            return Err(BaseError::Unfit { name: base.name.clone(), what });
+        }
         if !base.walks {
             return Stood::new(base.clone(), body, anatomy).map(|stood| Over::Stand(Box::new(stood)));
         }
