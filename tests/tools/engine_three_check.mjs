@@ -4,10 +4,9 @@
 // uneven frames: every event must come once a loop, in the first frame at or after its time, in order; contact() must agree with the
 // report; without userData the sidecar must do. Needs three and playwright-core, found as in validate.mjs.
 import { createRequire } from 'node:module';
-import { createServer } from 'node:http';
-import { existsSync, mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:fs';
-import { tmpdir } from 'node:os';
-import { dirname, extname, join, resolve } from 'node:path';
+import { existsSync, readdirSync, readFileSync } from 'node:fs';
+import { dirname, join, resolve } from 'node:path';
+import { inPage } from './page.mjs';
 
 const modules = process.env.SUREFOOT_NODE_MODULES;
 const require = createRequire(modules ? join(resolve(modules), 'x.js') : import.meta.url);
@@ -95,28 +94,9 @@ window.check = async (file, sidecar) => {
 };
 window.ready = true;
 </script>`;
-const types = { '.js': 'text/javascript', '.html': 'text/html' };
-const server = createServer((request, response) => {
-  const path = decodeURIComponent(new URL(request.url, 'http://x').pathname);
-  if (path === '/') return response.setHeader('Content-Type', 'text/html').end(page);
-  const file = path.startsWith('/three/') ? join(three, path.slice(7)) : join(resolve(folder), path.slice(7));
-  if (path.includes('..') || !existsSync(file)) return response.writeHead(404).end();
-  response.setHeader('Content-Type', types[extname(file)] ?? 'application/octet-stream').end(readFileSync(file));
-});
-await new Promise((done) => server.listen(0, '127.0.0.1', done));
-const profile = mkdtempSync(join(tmpdir(), 'surefoot-engine-'));
-const browser = await playwright.chromium.launchPersistentContext(profile, {
-  executablePath: browserPath,
-  headless: true,
-  args: ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
-});
 let bad = 0;
 let sidecars = [];
-try {
-  const tab = await browser.newPage();
-  tab.on('pageerror', (error) => console.error(String(error)));
-  await tab.goto(`http://127.0.0.1:${server.address().port}/`);
-  await tab.waitForFunction('window.ready', null, { timeout: 30000 });
+await inPage({ playwright, browserPath, page, served: { three, files: resolve(folder) } }, async (tab) => {
   sidecars = readdirSync(folder).filter((name) => name.endsWith('.events.json')).sort();
   for (const name of sidecars) {
     const stem = name.slice(0, -'.events.json'.length);
@@ -129,10 +109,6 @@ try {
     if (problems.length) bad += 1;
     console.log(`${file}: ${problems.length ? 'BAD' : 'ok'}: ${told} events${[...new Set(problems)].slice(0, 8).map((problem) => `\n  ${problem}`).join('')}`);
   }
-} finally {
-  await browser.close();
-  server.close();
-  rmSync(profile, { recursive: true, force: true });
-}
+});
 console.log(`${sidecars.length} files, ${bad} bad`);
 process.exit(bad > 0 || sidecars.length === 0 ? 1 : 0);

@@ -3,10 +3,9 @@
 // For every FOLDER/NAME.pose.json, written by the tests: { file, clip, samples: [{ time, nodes: [[node index, x, y, z], ...] }] },
 // world positions in document units and "unit" the document units a metre. Fails over 1 mm. Needs three and playwright-core, found as in validate.mjs.
 import { createRequire } from 'node:module';
-import { createServer } from 'node:http';
-import { existsSync, mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:fs';
-import { tmpdir } from 'node:os';
-import { dirname, extname, join, resolve } from 'node:path';
+import { existsSync, readdirSync, readFileSync } from 'node:fs';
+import { dirname, join, resolve } from 'node:path';
+import { inPage } from './page.mjs';
 
 const modules = process.env.SUREFOOT_NODE_MODULES;
 const require = createRequire(modules ? join(resolve(modules), 'x.js') : import.meta.url);
@@ -61,28 +60,9 @@ window.check = async (dump) => {
 };
 window.ready = true;
 </script>`;
-const types = { '.js': 'text/javascript', '.glb': 'model/gltf-binary', '.html': 'text/html' };
-const server = createServer((request, response) => {
-  const path = decodeURIComponent(new URL(request.url, 'http://x').pathname);
-  if (path === '/') return response.setHeader('Content-Type', 'text/html').end(page);
-  const file = path.startsWith('/three/') ? join(three, path.slice(7)) : join(resolve(folder), path.slice(7));
-  if (path.includes('..') || !existsSync(file)) return response.writeHead(404).end();
-  response.setHeader('Content-Type', types[extname(file)] ?? 'application/octet-stream').end(readFileSync(file));
-});
-await new Promise((done) => server.listen(0, '127.0.0.1', done));
-const profile = mkdtempSync(join(tmpdir(), 'surefoot-three-'));
-const browser = await playwright.chromium.launchPersistentContext(profile, {
-  executablePath: browserPath,
-  headless: true,
-  args: ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
-});
 let bad = 0;
 let dumps = [];
-try {
-  const tab = await browser.newPage();
-  tab.on('pageerror', (error) => console.error(String(error)));
-  await tab.goto(`http://127.0.0.1:${server.address().port}/`);
-  await tab.waitForFunction('window.ready', null, { timeout: 30000 });
+await inPage({ playwright, browserPath, page, served: { three, files: resolve(folder) } }, async (tab) => {
   dumps = readdirSync(folder).filter((name) => name.endsWith('.pose.json')).sort();
   for (const name of dumps) {
     const result = await tab.evaluate((dump) => window.check(dump), JSON.parse(readFileSync(join(folder, name))));
@@ -91,10 +71,6 @@ try {
     const said = result.error ?? `${(result.worst * 1000).toFixed(4)} mm at worst of ${result.count} (${result.at}), extras: ${result.report}`;
     console.log(`${name}: ${good ? 'ok' : 'BAD'}: ${said}`);
   }
-} finally {
-  await browser.close();
-  server.close();
-  rmSync(profile, { recursive: true, force: true });
-}
+});
 console.log(`${dumps.length} files, ${bad} bad`);
 process.exit(bad > 0 || dumps.length === 0 ? 1 : 0);
