@@ -4,9 +4,11 @@
 //! body alone, as capsules. Below them: [`skin`] poses a rig's mesh, [`compose`] lays out a page of [`Frame`]s,
 //! [`marks`] draws what is known of the balance, [`raster`] draws triangles. [`clip_plot()`] draws a run's curves by [`plot`].
 
+pub mod cell;
 pub mod clip_plot;
 pub mod compose;
 pub mod figure;
+pub mod grid;
 pub mod ground;
 pub mod marks;
 pub mod moments;
@@ -24,9 +26,12 @@ pub mod skin;
 pub mod stage;
 pub mod strip;
 pub mod text;
+pub mod verdict;
 
+pub use cell::{cell, clip_cell};
 pub use clip_plot::clip_plot;
 pub use compose::{Frame, Header, Layout, Trail};
+pub use grid::{Grid, GridCell};
 pub use marks::{Overlay, Push, SoleMark};
 pub use moments::{Moment, choose_moments, even_moments};
 pub use seen::seen_in_file;
@@ -34,6 +39,7 @@ pub use sheet::{SheetInput, film, sheet};
 pub use skin::{NodeTransforms, transforms_of_globals, transforms_of_locals};
 pub use stage::Stage;
 pub use strip::stick_strip;
+pub use verdict::Verdict;
 
 /// The bytes of a PNG file.
 pub fn png(image: &image::RgbaImage) -> Vec<u8> {
