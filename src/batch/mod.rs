@@ -6,9 +6,9 @@ pub mod combine;
 pub mod manifest;
 pub mod merged;
 pub mod name;
+pub mod pictures;
 pub mod plan;
 pub mod record;
 pub mod run;
-mod seen;
 
 pub use plan::{Plan, Variation, plan};

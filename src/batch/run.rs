@@ -147,8 +147,8 @@ fn make(
 fn kept(rig: &Rig, baked: Baked, exported: Exported, settings: &BakeSettings, wanted: Wanted) -> Made {
     let mut measured = measured(&baked, &exported);
     measured.hash = hash(&exported.file);
-    let cell = if wanted.cells { super::seen::cell(rig, &baked) } else { Vec::new() };
-    let signature = super::seen::signature(rig, &baked);
+    let cell = if wanted.cells { super::pictures::cell(rig, &baked) } else { Vec::new() };
+    let signature = super::pictures::signature(&baked);
     let mut files = Vec::new();
     let piece = if wanted.pieces {
         let report = serde_json::to_string(&baked.report).unwrap_or_default();

@@ -7,6 +7,7 @@ use super::say;
 use super::writer::{self, Output};
 use crate::batch::manifest::Table;
 use crate::batch::merged::{self, MOST_CLIPS};
+use crate::batch::pictures;
 use crate::batch::run::{Ended, Place};
 use crate::batch::{Plan, Variation};
 use std::ops::Range;
@@ -49,7 +50,8 @@ pub fn finish(results: &Results) -> Result<(), Failure> {
     if results.args.scenarios {
         places.push(("scenarios", scenarios(results)?));
     }
-    let alike = super::batch_pictures::alike(results);
+    let record = |variation: &Variation| results.folder.record(variation);
+    let alike = pictures::alike(results.plan, &record);
     let table = Table { plan: results.plan, endings: results.endings, alike: &alike, merged: results.args.merge };
     let manifest = table.json();
     let mut text = serde_json::to_vec_pretty(&manifest).map_err(|error| Failure::failed(error.to_string()))?;
@@ -60,9 +62,17 @@ pub fn finish(results: &Results) -> Result<(), Failure> {
     ];
     places.push(("manifest", put(results, tables)?));
     if !results.args.no_sheet {
-        places.push(("sheet", put(results, super::batch_pictures::sheet(results, &alike))?));
+        let mut pages = Vec::new();
+        pictures::sheet(results.plan, results.endings, &alike, &record, &mut |page, bytes| {
+            let name = if page == 0 { "sheet.png".to_owned() } else { format!("sheet_{}.png", page + 1) };
+            pages.extend(put(results, vec![Output { path: results.output.join(name), bytes }])?);
+            Ok::<(), Failure>(())
+        })?;
+        places.push(("sheet", pages));
     }
-    places.push(("coverage", put(results, vec![super::batch_pictures::coverage(results, &alike)])?));
+    let coverage = pictures::coverage(results.plan, results.endings, &alike).into_bytes();
+    places
+        .push(("coverage", put(results, vec![Output { path: results.output.join("coverage.svg"), bytes: coverage }])?));
     if results.args.json {
         let mut object = manifest;
         object["output"] = results.output.display().to_string().into();

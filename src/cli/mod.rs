@@ -12,7 +12,6 @@ pub mod bake;
 pub mod batch;
 pub mod batch_farm;
 pub mod batch_out;
-pub mod batch_pictures;
 pub mod batch_place;
 pub mod clip_files;
 pub mod correct;

@@ -28,8 +28,8 @@ pub const CELL_HEIGHT: u32 = 130;
 const MOMENTS: usize = 4;
 /// How finely.
 const COARSE: Grain = Grain { samples: 2, shadow: 0.03, points: false };
-/// From where: to the left of the face, rad.
-const ASIDE: f64 = 0.6;
+/// From where: to the left of the face, rad; half-way between two of the eight directions in which one mostly pushes.
+const ASIDE: f64 = std::f64::consts::FRAC_PI_8;
 /// px over the head and under the feet.
 const ROOM: [f64; 2] = [13.0, 11.0];
 /// px between moments.
@@ -173,4 +173,127 @@ fn span(frame: &Frame, axis: DVec3) -> (f64, f64) {
     let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), at| (a.min(at), b.max(at)));
     let middle = frame.overlay.com.filter(|com| com.is_finite()).map_or(0.0, |com| com.dot(axis));
     if low > high || high - low > 12.0 { (middle - 0.5, middle + 0.5) } else { (low, high) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bake::{BakeOptions, Baked, bake};
+    use crate::model::Scenario;
+    use crate::model::report::Outcome;
+    use crate::model::scenario::{Direction, Push};
+    use crate::picture::png;
+    use crate::rig::{self, mannequin};
+
+    fn builtin() -> Rig {
+        let alone = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
+        rig::load_bytes("builtin", mannequin::BUILTIN, &alone, None).expect("the built-in rig loads")
+    }
+
+    fn shoved(rig: &Rig, impulse: f64, heading: f64) -> Baked {
+        let toward = Direction::Heading(heading);
+        let push = Push { start: 0.6, duration: 0.2, force: impulse / 0.2, toward, at: crate::model::Role::Chest };
+        let scenario = Scenario { duration: 3.0, push: vec![push], ..Scenario::demo() };
+        bake(rig, &scenario, &BakeOptions::default()).expect("the simulation holds")
+    }
+
+    fn drawn(rig: &Rig, baked: &Baked) -> RgbaImage {
+        clip_cell(rig, &baked.clip, &baked.report, &[])
+    }
+
+    /// Columns that show a colour near that one.
+    fn columns(image: &RgbaImage, near: impl Fn([u8; 3]) -> bool) -> Vec<u32> {
+        let seen = image.enumerate_pixels().filter(|(_, _, pixel)| near([pixel[0], pixel[1], pixel[2]]));
+        seen.map(|(x, _, _)| x).collect()
+    }
+
+    fn red([r, g, b]: [u8; 3]) -> bool {
+        r > 150 && g < 70 && b < 70
+    }
+
+    fn tan([r, g, b]: [u8; 3]) -> bool {
+        r > 150 && g.abs_diff(r) > 30 && r > b && b < 130 && g > 90
+    }
+
+    #[test]
+    fn a_step_shows_four_bodies_one_arrow_and_the_same_bytes_again() {
+        let rig = builtin();
+        let baked = shoved(&rig, 60.0, std::f64::consts::FRAC_PI_2);
+        assert_eq!(baked.report.outcome, Outcome::Step);
+        let image = drawn(&rig, &baked);
+        assert_eq!((image.width(), image.height()), (CELL_WIDTH, CELL_HEIGHT));
+        let bodies = columns(&image, tan);
+        let quarter = |at: u32| bodies.iter().filter(|x| **x / 80 == at).count();
+        assert!((0..4).all(|at| quarter(at) > 350), "{:?}", [quarter(0), quarter(1), quarter(2), quarter(3)]);
+        let arrow = columns(&image, red);
+        let (first, last) = (arrow.iter().min().copied(), arrow.iter().max().copied());
+        assert!(arrow.len() > 40, "{} pixels of arrow", arrow.len());
+        assert!(first >= Some(60) && last <= Some(160), "only in the second picture: {first:?} to {last:?}");
+        assert_eq!(png(&image), png(&drawn(&rig, &baked)));
+    }
+
+    #[test]
+    fn pushes_of_eight_directions_all_show_their_arrow() {
+        let rig = builtin();
+        for at in 0..8 {
+            let baked = shoved(&rig, 50.0, f64::from(at) * std::f64::consts::FRAC_PI_4);
+            let arrow = columns(&drawn(&rig, &baked), red).len();
+            assert!(arrow > 10, "direction {at}: {arrow} pixels");
+        }
+    }
+
+    #[test]
+    fn the_third_picture_is_the_landing_the_farthest_sway_or_the_fall() {
+        let rig = builtin();
+        let pose = |_: f64| vec![glam::DAffine3::IDENTITY; rig.nodes.len()];
+        let telling_of = |report: &ClipReport| {
+            let (moments, layout) = (Vec::new(), compose::Layout::default());
+            let input = SheetInput { rig: &rig, pose: &pose, report, overlay: None, props: &[], moments, layout };
+            telling(&input).into_iter().map(|moment| moment.time).collect::<Vec<f64>>()
+        };
+        let report = crate::picture::moments::tests::pushed();
+        assert_eq!(telling_of(&report), [0.52, 0.7, 1.05, 3.0]);
+        let mut fell = report.clone();
+        fell.events.push(crate::model::report::Event {
+            name: "balance_lost".to_owned(),
+            time: 0.95,
+            ..fell.events[0].clone()
+        });
+        assert_eq!(telling_of(&fell), [0.52, 0.7, 0.95, 3.0]);
+        let mut walked = report.clone();
+        walked.disturbances.clear();
+        assert_eq!(telling_of(&walked).len(), 4, "nothing hits: other moments");
+        let broken = ClipReport { duration: f64::NAN, ..report };
+        assert!(telling_of(&broken).iter().all(|time| time.is_finite()));
+    }
+
+    #[test]
+    fn where_a_foot_stood_before_it_leaves_a_print() {
+        let mark = |x: f64| SoleMark {
+            side: Side::Left,
+            part: Part::Flat,
+            whole: vec![DVec3::X * x, DVec3::X * x + DVec3::Z * 0.2],
+            held: Vec::new(),
+        };
+        let frame =
+            |soles: Vec<SoleMark>| Frame { overlay: Overlay { soles, ..Overlay::default() }, ..Frame::default() };
+        let mut frames = [frame(vec![mark(0.1)]), frame(vec![mark(0.11)]), frame(vec![]), frame(vec![mark(0.5)])];
+        leave_prints(&mut frames);
+        assert_eq!(frames.each_ref().map(|frame| frame.overlay.prints.len()), [0, 0, 1, 1]);
+    }
+
+    #[test]
+    fn poses_that_are_not_numbers_and_clips_of_no_length_do_no_harm() {
+        let rig = builtin();
+        let nowhere = |_: f64| vec![glam::DAffine3::from_scale(DVec3::NAN); rig.nodes.len()];
+        let flung = |_: f64| vec![glam::DAffine3::from_translation(DVec3::X * 1e9); rig.nodes.len()];
+        for pose in [&nowhere as &dyn Fn(f64) -> Vec<glam::DAffine3>, &flung] {
+            for duration in [3.0, 0.0, f64::NAN] {
+                let report = ClipReport { duration, ..crate::picture::moments::tests::pushed() };
+                let (moments, layout) = (Vec::new(), compose::Layout::default());
+                let input = SheetInput { rig: &rig, pose, report: &report, overlay: None, props: &[], moments, layout };
+                assert_eq!(cell(&input).width(), CELL_WIDTH);
+            }
+        }
+    }
 }

@@ -199,15 +199,25 @@ fn draw_cell(image: &mut RgbaImage, (x, y): (u32, u32), cell: &GridCell, picture
     paint::panel(image, pill, pill + DVec2::new(wide, 16.0), 8.0, Ink(color, 1.0));
     cell.verdict.draw(image, pill + DVec2::new(10.0, 8.0), 4.0, [255; 3]);
     text::write(image, left + 19.0, top + 0.5, Pen { face: Face::Prose, size: 13.0, color: [255; 3] }, word);
-    let mut known = Vec::new();
-    if cell.steps > 0 {
-        known.push(if cell.steps == 1 { "1 step".to_owned() } else { format!("{} steps", cell.steps) });
-    }
-    known.extend(cell.score.filter(|score| score.is_finite()).map(|score| format!("plausibility {score:.2}")));
-    known.extend(cell.duplicate_of.as_ref().map(|other| format!("like {other}")));
     let (facts, room) = (left + wide as f32 + 8.0, CELL_WIDTH as f32 - 20.0 - wide as f32);
-    let words = cut_in_the_middle(Face::Prose, 13.0, &known.join(" · "), room);
-    text::write(image, facts, top + 0.5, Pen { face: Face::Prose, size: 13.0, color: QUIET }, &words);
+    let pen = Pen { face: Face::Prose, size: 13.0, color: QUIET };
+    let mut known = match cell.steps {
+        0 => Vec::new(),
+        1 => vec!["1 step".to_owned()],
+        steps => vec![format!("{steps} steps")],
+    };
+    match &cell.duplicate_of {
+        Some(other) => {
+            known.push("like ".to_owned());
+            let end = text::write(image, facts, top + 0.5, pen, &known.join(" · "));
+            let other = cut_in_the_middle(Face::Prose, 13.0, other, room - (end - facts));
+            text::write(image, end, top + 0.5, pen, &other);
+        }
+        None => {
+            known.extend(cell.score.filter(|score| score.is_finite()).map(|score| format!("plausibility {score:.2}")));
+            text::write(image, facts, top + 0.5, pen, &text::fitted(Face::Prose, 13.0, &known.join(" · "), room));
+        }
+    }
     let name = cut_in_the_middle(Face::Prose, 14.0, &cell.name, CELL_WIDTH as f32 - 12.0);
     text::write(image, left, top + 17.5, Pen { face: Face::Prose, size: 14.0, color: INK }, &name);
 }
