@@ -16,6 +16,7 @@ pub mod scenario_errors;
 mod scenario_reader;
 pub mod scenario_rules;
 pub mod scenario_text;
+pub mod scenario_write;
 pub mod sweep;
 pub mod sweep_range;
 pub mod sweep_text;
