@@ -12,7 +12,7 @@
 //! | 5 | [`bake`], [`correct`] | trace to clip, over a base clip or alone: foot curves, reach envelope, ZMP filter, root motion, key reduction; findings to a corrected clip |
 //! | 6 | [`export`], [`picture`] | bytes of GLB and VRMA, events, engine helpers; contact sheets, plots, pages of audits |
 //! | 7 | [`batch`] | sweep to plan to clips side by side, manifest, near-duplicates, files for farms |
-//! | 8 | [`cli`] | the command line; the files on disk |
+//! | 8 | [`cli`], `studio` | the command line; the files on disk |
 //!
 //! A bake from end to end, as the command line does it (without the files):
 //!
@@ -50,4 +50,6 @@ pub mod ragdoll;
 pub mod rig;
 pub mod sim;
 pub mod stepper;
+#[cfg(feature = "studio")]
+pub mod studio;
 pub mod whole_body;

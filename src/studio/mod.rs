@@ -1,0 +1,6 @@
+//! The window: a scenario by hand, its reaction at once. egui and eframe; everything it does goes through the calls of the rows above.
+//!
+//! [`document`] is what is edited and [`history`] its past; panels read them and give edits.
+
+pub mod document;
+pub mod history;
