@@ -1,31 +1,37 @@
 //! Poses to keys: the grid, the contact edges, bisection where a planted foot would slip, reduction everywhere else.
 //!
-//! What is checked is what a glTF reader gets: f32 keys, linear or spherical interpolation, in the local spaces of the rig's
-//! nodes. A *frame* is a time at which every channel has a value; reduction then leaves out keys channel by channel, and the
-//! planted feet are measured again on what is left. Lengths in m, angles in rad. Writes scale only where the scenario scales the legs.
+//! What is checked is what a glTF reader gets: f32 keys joined by Hermite splines (CUBICSPLINE), in the local spaces of the rig's
+//! nodes. A *frame* is a time at which every channel has a value and slopes; reduction then leaves out keys channel by channel,
+//! and the planted feet are measured again on what is left. Lengths in m, angles in rad. Writes scale only where the scenario
+//! scales the legs.
 
 use super::contacts::FootContact;
 use super::leg_chain::LegChain;
+use super::leverage::Leverage;
 use super::root_motion::{RootCurve, RootMotion};
-use super::track::{Track, UPPER_TOLERANCE, stored_rotation, stored_translation};
+use super::track::{CORNER, Frame, STEEP, Track, stored, stored_rotation, stored_translation};
 use crate::model::{BodyPose, Channel, Clip, Interpolation, KeyValues, Side, Target};
 use crate::rig::animate::{Poser, RootCarrier, RootMove};
 use crate::rig::{Rig, Trs};
-use glam::DQuat;
+use glam::{DQuat, DVec4};
 use std::collections::BTreeMap;
 
 /// m: a frame is put in where a planted foot is off by more between frames.
 const BISECT: f64 = 0.05e-3;
 /// m: keys are put back where a planted foot is off by more after reduction.
-const SLIP: f64 = 0.11e-3;
-/// rad: and in the legs and what carries them, 0.02 degrees.
-const LEG_TOLERANCE: f64 = 0.02 * std::f64::consts::PI / 180.0;
+const SLIP: f64 = 0.35e-3;
+/// rad: what reduction may change in planted legs and what carries them, 0.05 degrees.
+const LEG_TOLERANCE: f64 = 0.05 * std::f64::consts::PI / 180.0;
 /// m: and in translations.
-const PLACE_TOLERANCE: f64 = 0.2e-3;
+const PLACE_TOLERANCE: f64 = 0.3e-3;
+/// Times that keys are put back.
+const PUT_BACK: i32 = 24;
 /// s: frames never come closer.
 const SHORTEST: f64 = 1.0e-3;
 /// s: contact edges nearer to each other than this are one.
 const SAME_EDGE: f64 = 5.0e-5;
+/// s: slopes are taken over three times this, to either side.
+const SLOPE: f64 = 1.0e-3;
 
 /// What keys are made from.
 #[derive(Clone, Copy)]
@@ -79,13 +85,13 @@ pub fn keyed_clip_on(input: &KeyInput, turn: &dyn Fn(f64) -> DQuat, height: &dyn
         for track in leg.tracks() {
             frames.tracks[track].moves[side] = true;
             if frames.tracks[track].rotates {
-                frames.tracks[track].tolerance = LEG_TOLERANCE / 2.0;
+                frames.tracks[track].planted = LEG_TOLERANCE / 2.0;
             }
         }
     }
     let edges = edges(input.contacts, duration);
     let grid = grid(input.fps, duration, &edges);
-    frames.curve.straighten(&grid.iter().map(|time| f64::from(*time)).collect::<Vec<f64>>());
+    frames.curve.key(&grid.iter().map(|time| f64::from(*time)).collect::<Vec<f64>>());
     for (at, time) in grid.into_iter().enumerate() {
         frames.insert(at, time);
     }
@@ -96,7 +102,7 @@ pub fn keyed_clip_on(input: &KeyInput, turn: &dyn Fn(f64) -> DQuat, height: &dyn
         .filter(|(_, start, end)| end > start)
         .collect();
     frames.bisect(&contacts, &legs, turn);
-    frames.reduce(&edges, &contacts);
+    frames.reduce(&contacts);
     frames.put_back(&contacts, &legs, turn);
     frames.into_clip(duration, &contacts)
 }
@@ -159,6 +165,7 @@ impl<'a> Frames<'a> {
         };
         let mut frames =
             Frames { input, carrier, curve, times: Vec::new(), tracks: Vec::new(), locals: Vec::new(), poser };
+        let leverage = Leverage::new(&input.rig.body);
         match carrier {
             RootCarrier::New => frames.add_tracks(Target::NewRoot, input.rig.document_from_scenario.scale.recip()),
             RootCarrier::Node(node) => frames.add_tracks(Target::Node(node), frames.metres(node)),
@@ -169,22 +176,20 @@ impl<'a> Frames<'a> {
                 continue;
             }
             if let Some(drive) = frames.poser.drives()[node] {
+                let target = Target::Node(node);
                 if drive.translate {
-                    frames.add_track(Target::Node(node), false, PLACE_TOLERANCE / frames.metres(node));
+                    let bend = if drive.joint == 0 { leverage.place() } else { f64::INFINITY };
+                    frames.tracks.push(Track::moving(target, frames.metres(node), PLACE_TOLERANCE, bend));
                 }
-                frames.add_track(Target::Node(node), true, UPPER_TOLERANCE / 2.0);
+                frames.tracks.push(Track::turning(target, leverage.seen(drive.joint), leverage.turn(drive.joint)));
             }
         }
         frames
     }
 
     fn add_tracks(&mut self, target: Target, metres: f64) {
-        self.add_track(target, false, PLACE_TOLERANCE / metres.abs().max(1e-12));
-        self.add_track(target, true, LEG_TOLERANCE / 2.0);
-    }
-
-    fn add_track(&mut self, target: Target, rotates: bool, tolerance: f64) {
-        self.tracks.push(Track::new(target, rotates, tolerance));
+        self.tracks.push(Track::moving(target, metres, PLACE_TOLERANCE, f64::INFINITY));
+        self.tracks.push(Track::turning(target, LEG_TOLERANCE, f64::INFINITY));
     }
 
     fn track_of(&self, target: Target, rotates: bool) -> Option<usize> {
@@ -202,20 +207,45 @@ impl<'a> Frames<'a> {
         // A file's 32 bits may put the edge of a contact into the air.
         let edges = self.input.contacts.iter().flat_map(|contact| [contact.start, contact.end]);
         let exact = edges.into_iter().find(|edge| *edge as f32 == time).unwrap_or(f64::from(time));
-        let pose = (self.input.pose)(exact);
-        let motion =
-            if self.carrier == RootCarrier::None { RootMove::IDENTITY } else { self.curve.at(f64::from(time)) };
-        self.poser.locals(&pose, self.carrier, &motion, &mut self.locals);
+        let now = self.values_at(exact);
+        // Three samples to each side that there is, and not the frame's own: where a foot touches down the pose may jump a little.
+        let [before, after] = [-SLOPE, SLOPE].map(|step| {
+            let inside = (0.0..=self.input.duration).contains(&(exact + 3.0 * step));
+            inside.then(|| [1.0, 2.0, 3.0].map(|steps| self.values_at(exact + steps * step)))
+        });
         self.times.insert(at, time);
-        for track in &mut self.tracks {
+        for index in 0..self.tracks.len() {
+            let here = now[index];
+            let slope = |samples: &Option<[Vec<DVec4>; 3]>, way: f64| {
+                let rotates = self.tracks[index].rotates;
+                let near = |there: DVec4| if rotates && there.dot(here) < 0.0 { -there } else { there };
+                let [a, b, c] = samples.as_ref()?.each_ref().map(|sample| near(sample[index]));
+                let slope = (b * 8.0 - a * 5.0 - c * 3.0) * (way / (2.0 * SLOPE));
+                Some(slope.clamp_length_max(STEEP / self.tracks[index].unit))
+            };
+            let (before, after) = (slope(&before, -1.0), slope(&after, 1.0));
+            let (before, after) = (before.or(after).unwrap_or_default(), after.or(before).unwrap_or_default());
+            let unit = self.tracks[index].unit;
+            let corner = before.distance(after) * unit > CORNER;
+            let slopes = if corner { [before, after] } else { [(before + after) * 0.5; 2] };
+            let value = if self.tracks[index].rotates { stored(here.normalize()) } else { stored(here) };
+            self.tracks[index].frames.insert(at, Frame { value, slopes: slopes.map(stored) });
+        }
+    }
+
+    /// What every track has at a time.
+    fn values_at(&mut self, time: f64) -> Vec<DVec4> {
+        let pose = (self.input.pose)(time);
+        let motion = if self.carrier == RootCarrier::None { RootMove::IDENTITY } else { self.curve.at(time) };
+        self.poser.locals(&pose, self.carrier, &motion, &mut self.locals);
+        let value = |track: &Track| {
             let (translation, rotation) = match track.target {
                 Target::Node(node) => (self.locals[node].translation, self.locals[node].rotation),
                 _ => self.poser.new_root(&motion),
             };
-            track
-                .values
-                .insert(at, if track.rotates { stored_rotation(rotation) } else { stored_translation(translation) });
-        }
+            if track.rotates { DVec4::from(rotation) } else { translation.extend(0.0) }
+        };
+        self.tracks.iter().map(value).collect()
     }
 
     fn frame_at(&self, time: f32) -> usize {
@@ -227,12 +257,14 @@ impl<'a> Frames<'a> {
         for (contact, start, end) in contacts {
             let leg = &legs[contact.side as usize];
             let mut from = self.frame_at(*start);
-            let held = leg.held(contact.part, &|track| self.tracks[track].values[from]);
+            let held = leg.held(contact.part, &|track| self.tracks[track].frames[from].value);
             let held = held.seen_from(turn(f64::from(self.times[from])));
             while from + 1 < self.times.len() && self.times[from] < *end {
                 let (earlier, later) = (f64::from(self.times[from]), f64::from(self.times[from + 1]));
                 let off = [0.25, 0.5, 0.75].map(|share| {
-                    let now = leg.held(contact.part, &|track| self.tracks[track].between(from, from + 1, share));
+                    let now = leg.held(contact.part, &|track| {
+                        self.tracks[track].between(from, from + 1, later - earlier, share)
+                    });
                     held.distance(&now.seen_from(turn(earlier + (later - earlier) * share)))
                 });
                 if off.iter().all(|off| *off <= BISECT) || later - earlier < 2.0 * SHORTEST {
@@ -241,7 +273,7 @@ impl<'a> Frames<'a> {
                 }
                 let middle = ((earlier + later) / 2.0) as f32;
                 self.insert(from + 1, middle);
-                let exact = leg.held(contact.part, &|track| self.tracks[track].values[from + 1]);
+                let exact = leg.held(contact.part, &|track| self.tracks[track].frames[from + 1].value);
                 let exact = held.distance(&exact.seen_from(turn(f64::from(middle))));
                 if exact > 0.8 * off[1].max(BISECT) {
                     self.remove(from + 1); // the pose itself is off: a key would not mend it
@@ -254,13 +286,12 @@ impl<'a> Frames<'a> {
     fn remove(&mut self, at: usize) {
         self.times.remove(at);
         for track in &mut self.tracks {
-            track.values.remove(at);
+            track.frames.remove(at);
         }
     }
 
-    /// Leaves out every key that interpolation restores; edges stay in what moves the feet.
-    fn reduce(&mut self, edges: &[f32], contacts: &[(&FootContact, f32, f32)]) {
-        let forced: Vec<bool> = self.times.iter().map(|time| edges.contains(time)).collect();
+    /// Leaves out every key that interpolation restores.
+    fn reduce(&mut self, contacts: &[(&FootContact, f32, f32)]) {
         let planted = Side::BOTH.map(|side| {
             let holds = |time: &f32| {
                 contacts.iter().any(|(contact, start, end)| contact.side == side && start <= time && time <= end)
@@ -268,45 +299,59 @@ impl<'a> Frames<'a> {
             self.times.iter().map(holds).collect::<Vec<bool>>()
         });
         let times: Vec<f64> = self.times.iter().map(|time| f64::from(*time)).collect();
+        let root = match self.carrier {
+            RootCarrier::New => Some(Target::NewRoot),
+            RootCarrier::Node(node) => Some(Target::Node(node)),
+            RootCarrier::None => None,
+        };
         for track in &mut self.tracks {
             let last = times.len() - 1;
             track.keep = vec![false; times.len()];
             track.keep[0] = true;
-            let first = track.values[0];
-            if track.values.iter().any(|value| track.difference(&first, value) > 0.25 * track.tolerance) {
+            let first = track.frames[0].value;
+            let moves = |frame: &Frame| track.difference(&first, &frame.value) > 0.25 * track.tolerance;
+            if track.frames.iter().any(moves) {
                 track.keep[last] = true;
-                let feet = track.moves != [false; 2];
-                let mut from = 0;
-                for (frame, edge) in forced.iter().enumerate().skip(1) {
-                    if frame == last || (feet && *edge) {
-                        track.keep[frame] = true;
-                        track.thin(&times, &planted, from, frame);
-                        from = frame;
-                    }
+                if root == Some(track.target) {
+                    // The hips make up for what it does between its knots.
+                    let knot = |time: &f64| self.curve.has_knot(*time);
+                    track.keep.iter_mut().zip(&times).for_each(|(keep, time)| *keep |= knot(time));
+                    track.settle(&times);
+                    continue;
+                }
+                if track.moves == [false; 2] {
+                    track.choose_join(&times, &planted);
+                } else {
+                    track.choose(&times, &planted);
                 }
             }
-            track.look_around();
+            track.settle(&times);
         }
     }
 
     /// Puts keys back until the planted feet are still.
     fn put_back(&mut self, contacts: &[(&FootContact, f32, f32)], legs: &[LegChain; 2], turn: &dyn Fn(f64) -> DQuat) {
-        for _ in 0..32 {
+        let times: Vec<f64> = self.times.iter().map(|time| f64::from(*time)).collect();
+        for pass in 1..PUT_BACK {
             let mut missing: Vec<(usize, usize)> = Vec::new(); // frame, side
             for (contact, start, end) in contacts {
                 let leg = &legs[contact.side as usize];
                 let first = self.frame_at(*start);
-                let held = leg.held(contact.part, &|track| self.tracks[track].values[first]);
+                let held = leg.held(contact.part, &|track| self.tracks[track].frames[first].value);
                 let held = held.seen_from(turn(f64::from(self.times[first])));
                 let mut worst = (SLIP, None); // of a run of intervals that slip
                 for frame in first..self.frame_at(*end) {
                     let [from, to] = [frame, frame + 1].map(|frame| f64::from(self.times[frame]));
                     let off = [0.0, 0.25, 0.5, 0.75, 1.0].into_iter().map(|share| {
-                        let now =
-                            leg.held(contact.part, &|track| self.tracks[track].reduced(&self.times, frame, share));
+                        let now = leg.held(contact.part, &|track| self.tracks[track].reduced(&times, frame, share));
                         held.distance(&now.seen_from(turn(from + (to - from) * share)))
                     });
-                    let off = off.fold(0.0, f64::max);
+                    // What the poses slip by themselves no key mends.
+                    let poses = [frame, frame + 1].map(|at| {
+                        let now = leg.held(contact.part, &|track| self.tracks[track].frames[at].value);
+                        held.distance(&now.seen_from(turn(f64::from(self.times[at]))))
+                    });
+                    let off = off.fold(0.0, f64::max) - poses[0].max(poses[1]);
                     if off > worst.0 {
                         worst = (off, Some(frame));
                     } else if off <= SLIP {
@@ -316,20 +361,24 @@ impl<'a> Frames<'a> {
                 }
                 missing.extend(worst.1.map(|frame| (frame, contact.side as usize)));
             }
-            let mut changed = false;
+            if missing.is_empty() {
+                break;
+            }
+            // First where a track is off most, then wherever it is off at all.
+            let share = 0.5_f64.powi(pass);
             for track in &mut self.tracks {
                 let before = track.keep.clone();
-                for (frame, side) in &missing {
-                    track.keep[*frame] |= track.moves[*side];
-                    track.keep[*frame + 1] |= track.moves[*side];
+                let wanted = missing.iter().filter(|(_, side)| track.moves[*side]).flat_map(|(at, _)| [*at, *at + 1]);
+                for frame in wanted.collect::<Vec<usize>>() {
+                    if !track.keep[frame] && track.lacks(&times, frame) >= share * track.planted {
+                        track.keep[frame] = true;
+                    } else if track.keep[frame] && pass > PUT_BACK / 2 {
+                        track.own[frame] = true;
+                    }
                 }
-                if track.keep != before {
-                    track.look_around();
-                    changed = true;
+                if track.keep != before || pass > PUT_BACK / 2 {
+                    track.settle(&times);
                 }
-            }
-            if !changed {
-                break;
             }
         }
     }
