@@ -6,6 +6,7 @@
 //! scales the legs.
 
 use super::contacts::FootContact;
+use super::key_times::{SAME_EDGE, SHORTEST, edges, grid, snapped};
 use super::leg_chain::LegChain;
 use super::leverage::Leverage;
 use super::root_motion::{RootCurve, RootMotion};
@@ -19,17 +20,19 @@ use std::collections::BTreeMap;
 /// m: a frame is put in where a planted foot is off by more between frames.
 const BISECT: f64 = 0.05e-3;
 /// m: keys are put back where a planted foot is off by more after reduction.
-const SLIP: f64 = 0.35e-3;
-/// rad: what reduction may change in planted legs and what carries them, 0.05 degrees.
-const LEG_TOLERANCE: f64 = 0.05 * std::f64::consts::PI / 180.0;
+const SLIP: f64 = 0.32e-3;
+/// m: the same where keys are joined by straight lines: there looser ones slide at more than 10 mm/s.
+const SLIP_STRAIGHT: f64 = 0.11e-3;
+/// rad: and what reduction may then change, 0.02 degrees.
+const LEG_STRAIGHT: f64 = 0.02 * std::f64::consts::PI / 180.0;
+/// rad: what reduction may change in planted legs and what carries them, 0.08 degrees.
+const LEG_TOLERANCE: f64 = 0.08 * std::f64::consts::PI / 180.0;
 /// m: and in translations.
 const PLACE_TOLERANCE: f64 = 0.3e-3;
+/// A second: what of the poses' slopes a key may lack, in rad or m, before it gets them for its own.
+const ASTRAY: f64 = 0.03;
 /// Times that keys are put back.
 const PUT_BACK: i32 = 24;
-/// s: frames never come closer.
-const SHORTEST: f64 = 1.0e-3;
-/// s: contact edges nearer to each other than this are one.
-const SAME_EDGE: f64 = 5.0e-5;
 /// s: slopes are taken over three times this, to either side.
 const SLOPE: f64 = 1.0e-3;
 
@@ -60,6 +63,7 @@ struct Frames<'a> {
     times: Vec<f32>,
     tracks: Vec<Track>,
     locals: Vec<Trs>,
+    straight: bool,
 }
 
 /// Keys a clip. The result reads back with planted feet still to 0.5 mm wherever the poses hold them.
@@ -67,11 +71,23 @@ pub fn keyed_clip(input: &KeyInput) -> Clip {
     keyed_clip_on(input, &|_| DQuat::IDENTITY, &|_| 0.0)
 }
 
+/// The same with all keys joined by straight lines and the travel in the hips: more keys, but a line may be taken out of them.
+pub fn straight_clip(input: &KeyInput) -> Clip {
+    let input = &KeyInput { root_motion: RootMotion::Hips, ..*input };
+    keyed(input, &|_| DQuat::IDENTITY, &|_| 0.0, true)
+}
+
 /// The same where what the feet hold on to turns about the origin: `turn` says how at a time (s), and `height` how high
 /// (m) the ground then carries the body.
 pub fn keyed_clip_on(input: &KeyInput, turn: &dyn Fn(f64) -> DQuat, height: &dyn Fn(f64) -> f64) -> Clip {
+    keyed(input, turn, height, false)
+}
+
+fn keyed(input: &KeyInput, turn: &dyn Fn(f64) -> DQuat, height: &dyn Fn(f64) -> f64, straight: bool) -> Clip {
     let duration = f64::from(input.duration.max(0.0) as f32);
     let mut frames = Frames::new(*input, duration, height);
+    frames.straight = straight;
+    frames.tracks.iter_mut().for_each(|track| track.straight = straight);
     let legs = Side::BOTH.map(|side| {
         LegChain::new(
             input.rig,
@@ -85,7 +101,7 @@ pub fn keyed_clip_on(input: &KeyInput, turn: &dyn Fn(f64) -> DQuat, height: &dyn
         for track in leg.tracks() {
             frames.tracks[track].moves[side] = true;
             if frames.tracks[track].rotates {
-                frames.tracks[track].planted = LEG_TOLERANCE / 2.0;
+                frames.tracks[track].planted = if straight { LEG_STRAIGHT } else { LEG_TOLERANCE } / 2.0;
             }
         }
     }
@@ -107,45 +123,6 @@ pub fn keyed_clip_on(input: &KeyInput, turn: &dyn Fn(f64) -> DQuat, height: &dyn
     frames.into_clip(duration, &contacts)
 }
 
-/// The distinct times at which contacts start and end, rising.
-fn edges(contacts: &[FootContact], duration: f64) -> Vec<f32> {
-    let mut edges: Vec<f64> = contacts
-        .iter()
-        .flat_map(|contact| [contact.start, contact.end])
-        .map(|time| time.clamp(0.0, duration))
-        .collect();
-    edges.retain(|time| time.is_finite());
-    edges.sort_by(f64::total_cmp);
-    edges.dedup_by(|later, earlier| *later - *earlier < SAME_EDGE);
-    if let Some(last) = edges.last_mut().filter(|last| duration - **last < SAME_EDGE) {
-        *last = duration;
-    }
-    edges.into_iter().map(|time| time as f32).collect()
-}
-
-fn snapped(edges: &[f32], time: f64, duration: f64) -> f32 {
-    let time = time.clamp(0.0, duration) as f32;
-    edges.iter().copied().min_by(|a, b| (a - time).abs().total_cmp(&(b - time).abs())).unwrap_or(time)
-}
-
-/// The frames to begin with: the grid, and the edges instead of grid times that are too near to them.
-fn grid(fps: f64, duration: f64, edges: &[f32]) -> Vec<f32> {
-    let fps = if fps.is_finite() && fps > 0.0 { fps } else { 30.0 };
-    let mut times: Vec<f32> = edges.to_vec();
-    let far = |time: f64| edges.iter().all(|edge| (f64::from(*edge) - time).abs() > SHORTEST);
-    times.extend(
-        (1..)
-            .map(|index| f64::from(index) / fps)
-            .take_while(|time| *time < duration - SHORTEST)
-            .filter(|time| far(*time))
-            .map(|time| time as f32),
-    );
-    times.extend([0.0, duration as f32]);
-    times.sort_by(f32::total_cmp);
-    times.dedup();
-    times
-}
-
 impl<'a> Frames<'a> {
     fn new(input: KeyInput<'a>, duration: f64, height: &dyn Fn(f64) -> f64) -> Frames<'a> {
         let poser = Poser::new(input.rig);
@@ -163,8 +140,16 @@ impl<'a> Frames<'a> {
             };
             RootCurve::follow(&poses, &heights, dt, travels)
         };
-        let mut frames =
-            Frames { input, carrier, curve, times: Vec::new(), tracks: Vec::new(), locals: Vec::new(), poser };
+        let mut frames = Frames {
+            input,
+            carrier,
+            curve,
+            times: Vec::new(),
+            tracks: Vec::new(),
+            locals: Vec::new(),
+            poser,
+            straight: false,
+        };
         let leverage = Leverage::new(&input.rig.body);
         match carrier {
             RootCarrier::New => frames.add_tracks(Target::NewRoot, input.rig.document_from_scenario.scale.recip()),
@@ -290,6 +275,15 @@ impl<'a> Frames<'a> {
         }
     }
 
+    /// What carries the travel.
+    fn root(&self) -> Option<Target> {
+        match self.carrier {
+            RootCarrier::New => Some(Target::NewRoot),
+            RootCarrier::Node(node) => Some(Target::Node(node)),
+            RootCarrier::None => None,
+        }
+    }
+
     /// Leaves out every key that interpolation restores.
     fn reduce(&mut self, contacts: &[(&FootContact, f32, f32)]) {
         let planted = Side::BOTH.map(|side| {
@@ -299,11 +293,7 @@ impl<'a> Frames<'a> {
             self.times.iter().map(holds).collect::<Vec<bool>>()
         });
         let times: Vec<f64> = self.times.iter().map(|time| f64::from(*time)).collect();
-        let root = match self.carrier {
-            RootCarrier::New => Some(Target::NewRoot),
-            RootCarrier::Node(node) => Some(Target::Node(node)),
-            RootCarrier::None => None,
-        };
+        let root = self.root();
         for track in &mut self.tracks {
             let last = times.len() - 1;
             track.keep = vec![false; times.len()];
@@ -319,7 +309,7 @@ impl<'a> Frames<'a> {
                     track.settle(&times);
                     continue;
                 }
-                if track.moves == [false; 2] {
+                if track.moves == [false; 2] && !self.straight {
                     track.choose_join(&times, &planted);
                 } else {
                     track.choose(&times, &planted);
@@ -332,6 +322,8 @@ impl<'a> Frames<'a> {
     /// Puts keys back until the planted feet are still.
     fn put_back(&mut self, contacts: &[(&FootContact, f32, f32)], legs: &[LegChain; 2], turn: &dyn Fn(f64) -> DQuat) {
         let times: Vec<f64> = self.times.iter().map(|time| f64::from(*time)).collect();
+        let root = self.root();
+        let most = if self.straight { SLIP_STRAIGHT } else { SLIP };
         for pass in 1..PUT_BACK {
             let mut missing: Vec<(usize, usize)> = Vec::new(); // frame, side
             for (contact, start, end) in contacts {
@@ -339,7 +331,7 @@ impl<'a> Frames<'a> {
                 let first = self.frame_at(*start);
                 let held = leg.held(contact.part, &|track| self.tracks[track].frames[first].value);
                 let held = held.seen_from(turn(f64::from(self.times[first])));
-                let mut worst = (SLIP, None); // of a run of intervals that slip
+                let mut worst = (most, None); // of a run of intervals that slip
                 for frame in first..self.frame_at(*end) {
                     let [from, to] = [frame, frame + 1].map(|frame| f64::from(self.times[frame]));
                     let off = [0.0, 0.25, 0.5, 0.75, 1.0].into_iter().map(|share| {
@@ -354,9 +346,9 @@ impl<'a> Frames<'a> {
                     let off = off.fold(0.0, f64::max) - poses[0].max(poses[1]);
                     if off > worst.0 {
                         worst = (off, Some(frame));
-                    } else if off <= SLIP {
+                    } else if off <= most {
                         missing.extend(worst.1.map(|frame| (frame, contact.side as usize)));
-                        worst = (SLIP, None);
+                        worst = (most, None);
                     }
                 }
                 missing.extend(worst.1.map(|frame| (frame, contact.side as usize)));
@@ -372,7 +364,11 @@ impl<'a> Frames<'a> {
                 for frame in wanted.collect::<Vec<usize>>() {
                     if !track.keep[frame] && track.lacks(&times, frame) >= share * track.planted {
                         track.keep[frame] = true;
-                    } else if track.keep[frame] && pass > PUT_BACK / 2 {
+                    } else if root != Some(track.target)
+                        && track.astray(frame) > ASTRAY
+                        && track.keep[frame]
+                        && pass > PUT_BACK / 2
+                    {
                         track.own[frame] = true;
                     }
                 }

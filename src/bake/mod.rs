@@ -14,6 +14,7 @@ pub mod contacts;
 pub mod feet;
 mod feet_based;
 pub mod footing;
+mod key_times;
 pub mod keys;
 mod knees;
 mod leg_chain;

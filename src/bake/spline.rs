@@ -9,6 +9,10 @@ use glam::DVec4;
 
 /// s: keys around a corner stand that far from it.
 const ROUND: f64 = 1.0e-3;
+/// s: and no nearer.
+const NEAREST: f64 = 5.0e-5;
+/// m or rad: so far, over six, may the round be off the corner.
+const ROUNDED: f64 = 0.3e-3;
 
 /// A key on the way to a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,9 +34,9 @@ impl Piece {
         self.to.time - self.from.time
     }
 
-    /// s, how far from a corner at one of its ends its keys stand.
-    fn round(&self) -> f64 {
-        ROUND.min(self.seconds() / 6.0)
+    /// s, how far from a corner at one of its ends its keys stand; `turned`: by how much the slope changes there, a second.
+    fn round(&self, turned: f64) -> f64 {
+        (ROUNDED / turned.max(1e-9)).clamp(NEAREST, ROUND).min(self.seconds() / 6.0)
     }
 
     /// Value, slope and acceleration at a time.
@@ -47,8 +51,9 @@ impl Piece {
     }
 }
 
-/// The keys, level at both ends, of a curve that leads as these knots do: times, values, slopes. Of rotations the values are units.
-pub(super) fn level(knots: &[Knot], rotates: bool) -> (Vec<f32>, Vec<DVec4>, Vec<DVec4>) {
+/// The keys, level at both ends, of a curve that leads as these knots do: times, values, slopes. Of rotations the values are units;
+/// of others one is `unit` m.
+pub(super) fn level(knots: &[Knot], rotates: bool, unit: f64) -> (Vec<f32>, Vec<DVec4>, Vec<DVec4>) {
     let stored = |value: DVec4| {
         let value = if rotates { value.try_normalize().unwrap_or(DVec4::W) } else { value };
         DVec4::from_array(value.to_array().map(|part| f64::from(part as f32)))
@@ -63,14 +68,14 @@ pub(super) fn level(knots: &[Knot], rotates: bool) -> (Vec<f32>, Vec<DVec4>, Vec
         match (before, after) {
             (None, Some(piece)) if knot.slopes[1] != DVec4::ZERO => {
                 add(here, knot.value);
-                let round = piece.round();
+                let round = piece.round(knot.slopes[1].length() * unit);
                 let times = [1.0, 2.0].map(|steps| (knot.time + steps * round) as f32);
                 let [end, slope, bend] = piece.at(f64::from(times[1]));
                 add(times[0], knot.value + led(end - knot.value, slope, bend, round));
                 add(times[1], end);
             }
             (Some(piece), None) if at == last && knot.slopes[0] != DVec4::ZERO => {
-                let round = piece.round();
+                let round = piece.round(knot.slopes[0].length() * unit);
                 let times = [2.0, 1.0].map(|steps| (knot.time - steps * round) as f32);
                 let [start, slope, bend] = piece.at(f64::from(times[0]));
                 add(times[0], start);
@@ -78,7 +83,8 @@ pub(super) fn level(knots: &[Knot], rotates: bool) -> (Vec<f32>, Vec<DVec4>, Vec
                 add(here, knot.value);
             }
             (Some(before), Some(after)) if knot.corner => {
-                let round = before.round().min(after.round());
+                let turned = knot.slopes[0].distance(knot.slopes[1]) * unit;
+                let round = before.round(turned).min(after.round(turned));
                 let times = [-round, round].map(|step| (knot.time + step) as f32);
                 let [start, left, bend_left] = before.at(f64::from(times[0]));
                 let [end, right, bend_right] = after.at(f64::from(times[1]));
@@ -142,14 +148,14 @@ mod tests {
             slopes: slopes.map(DVec4::splat),
             corner,
         };
-        let knots = [
-            knot(0.0, 0.0, [2.0; 2], false),
-            knot(0.4, 0.7, [1.5, -1.0], true),
-            knot(1.0, 0.2, [-0.5; 2], false),
-        ];
-        let (times, values, slopes) = level(&knots, false);
+        let knots =
+            [knot(0.0, 0.0, [2.0; 2], false), knot(0.4, 0.7, [1.5, -1.0], true), knot(1.0, 0.2, [-0.5; 2], false)];
+        let (times, values, slopes) = level(&knots, false, 1.0);
         assert_eq!(times.len(), 9);
-        assert_eq!((slopes[0], slopes[8], values[0], values[8].x), (DVec4::ZERO, DVec4::ZERO, DVec4::ZERO, 0.2_f32.into()));
+        assert_eq!(
+            (slopes[0], slopes[8], values[0], values[8].x),
+            (DVec4::ZERO, DVec4::ZERO, DVec4::ZERO, 0.2_f32.into())
+        );
         let pieces = [Piece { from: knots[0], to: knots[1] }, Piece { from: knots[1], to: knots[2] }];
         let (mut near, mut far): (f64, f64) = (0.0, 0.0);
         for tick in 0..10_000 {
@@ -158,14 +164,15 @@ mod tests {
             let at = times.partition_point(|key| f64::from(*key) <= time) - 1;
             let seconds = f64::from(times[at + 1]) - f64::from(times[at]);
             let share = (time - f64::from(times[at])) / seconds;
-            let off = (hermite([values[at], slopes[at], slopes[at + 1], values[at + 1]], seconds, share).x - wanted).abs();
+            let off =
+                (hermite([values[at], slopes[at], slopes[at + 1], values[at + 1]], seconds, share).x - wanted).abs();
             let rounded = [0.0, 0.4, 1.0].iter().any(|corner: &f64| (time - corner).abs() < 2.1e-3);
             if rounded { near = near.max(off) } else { far = far.max(off) }
         }
         assert!(far < 1e-5 && near < 0.5e-3, "{far} {near}");
         // The planted extreme: the corner as one key leads astray for long.
         let plain = knots.map(|knot| Knot { corner: false, ..knot });
-        assert_eq!(level(&plain, false).0.len(), 7);
+        assert_eq!(level(&plain, false, 1.0).0.len(), 7);
     }
 
     #[test]

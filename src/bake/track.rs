@@ -14,7 +14,7 @@ const BEND: f64 = 32.0;
 const STRAIGHT: f64 = 2.0;
 /// A second: slopes before and after a frame that differ by more are a corner, and an end that leads by less is level; in rad
 /// or m.
-pub(super) const CORNER: f64 = 0.03;
+pub(super) const CORNER: f64 = 0.05;
 /// A second: slopes at corners and ends are no steeper, in rad or m; where a pose jumps they mean nothing.
 pub(super) const STEEP: f64 = 20.0;
 /// What an f32 can hold, of a value.
@@ -196,6 +196,13 @@ impl Track {
         self.difference(&self.reduced(times, frame, 0.0), &self.frames[frame].value)
     }
 
+    /// How far the slopes of a key are from the poses' own, in rad or m a second.
+    pub(super) fn astray(&self, frame: usize) -> f64 {
+        let sign = if four(&self.frames[frame].value).dot(self.fits[frame].value) < 0.0 { -1.0 } else { 1.0 };
+        let off = |way: usize| four(&self.frames[frame].slopes[way]).distance(self.fits[frame].slopes[way] * sign);
+        off(0).max(off(1)) * self.unit
+    }
+
     /// After a change of what is kept: the keys around each frame, and the slopes of the smooth curve through them. At a corner
     /// it has the corner's own.
     pub(super) fn settle(&mut self, times: &[f64]) {
@@ -213,7 +220,8 @@ impl Track {
         }
         let last = self.keep.iter().rposition(|keep| *keep).unwrap_or(0);
         for end in [0, last] {
-            let slow = |slope: &mut DVec4| *slope = if slope.length() * self.unit < CORNER { DVec4::ZERO } else { *slope };
+            let slow =
+                |slope: &mut DVec4| *slope = if slope.length() * self.unit < CORNER { DVec4::ZERO } else { *slope };
             self.fits[end].slopes.iter_mut().for_each(slow);
         }
         self.settle_between(times, 0, last);
@@ -269,7 +277,8 @@ impl Track {
                 let Fit { value, slopes } = self.fits[*frame];
                 Knot { time: f64::from(times[*frame]), value, slopes, corner: self.is_corner(*frame) }
             };
-            let (times, values, slopes) = spline::level(&kept.iter().map(knot).collect::<Vec<Knot>>(), self.rotates);
+            let (times, values, slopes) =
+                spline::level(&kept.iter().map(knot).collect::<Vec<Knot>>(), self.rotates, self.unit);
             let key = |(value, slope): (&DVec4, &DVec4)| [stored(*slope), stored(*value), stored(*slope)];
             (times, values.iter().zip(&slopes).flat_map(key).collect())
         } else {

@@ -152,9 +152,13 @@ impl Writer {
         first: usize,
     ) -> Map<String, Value> {
         let (mut channels, mut samplers) = (Vec::new(), Vec::new());
-        let mut add = |node: usize, path: &str, input: usize, output: usize, interpolation: &str| {
+        let mut add = |node: usize, path: &str, input: usize, output: usize, interpolation: Option<&str>| {
             channels.push(json!({ "sampler": samplers.len(), "target": { "node": node, "path": path } }));
-            samplers.push(json!({ "input": input, "interpolation": interpolation, "output": output }));
+            let mut sampler = json!({ "input": input, "output": output });
+            if let Some(interpolation) = interpolation {
+                sampler["interpolation"] = interpolation.into();
+            }
+            samplers.push(sampler);
         };
         for channel in &clip.channels {
             let node = match channel.target {
@@ -171,16 +175,16 @@ impl Writer {
             let input = first + self.accessor("SCALAR", &channel.times, 1);
             let output = first + self.accessor(kind, &values, channel.values.count());
             let interpolation = match channel.interpolation {
-                Interpolation::Linear => "LINEAR",
-                Interpolation::Cubic => "CUBICSPLINE",
-                Interpolation::Step => "STEP",
+                Interpolation::Linear => None, // what glTF takes where none is said
+                Interpolation::Cubic => Some("CUBICSPLINE"),
+                Interpolation::Step => Some("STEP"),
             };
             add(node, path, input, output, interpolation);
         }
         for (node, channel) in props.iter().flat_map(|(node, channels)| channels.iter().map(move |one| (*node, one))) {
             let input = first + self.accessor("SCALAR", &channel.times, 1);
             let output = first + self.accessor(channel.kind, &channel.values, channel.times.len());
-            add(node, channel.path, input, output, "LINEAR");
+            add(node, channel.path, input, output, None);
         }
         Map::from_iter([("channels".to_owned(), channels.into()), ("samplers".to_owned(), samplers.into())])
     }
