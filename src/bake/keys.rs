@@ -20,13 +20,15 @@ use std::collections::BTreeMap;
 /// m: a frame is put in where a planted foot is off by more between frames.
 const BISECT: f64 = 0.05e-3;
 /// m: keys are put back where a planted foot is off by more after reduction.
-const SLIP: f64 = 0.32e-3;
+const SLIP: f64 = 0.28e-3;
 /// m: the same where keys are joined by straight lines: there looser ones slide at more than 10 mm/s.
 const SLIP_STRAIGHT: f64 = 0.11e-3;
 /// rad: and what reduction may then change, 0.02 degrees.
 const LEG_STRAIGHT: f64 = 0.02 * std::f64::consts::PI / 180.0;
-/// rad: what reduction may change in planted legs and what carries them, 0.08 degrees.
-const LEG_TOLERANCE: f64 = 0.08 * std::f64::consts::PI / 180.0;
+/// rad: what reduction may change in planted legs and what carries them, 0.05 degrees.
+const LEG_TOLERANCE: f64 = 0.05 * std::f64::consts::PI / 180.0;
+/// rad: the same of legs in the air, 0.2 degrees.
+const SWING_TOLERANCE: f64 = 0.2 * std::f64::consts::PI / 180.0;
 /// m: and in translations.
 const PLACE_TOLERANCE: f64 = 0.3e-3;
 /// A second: what of the poses' slopes a key may lack, in rad or m, before it gets them for its own.
@@ -101,7 +103,10 @@ fn keyed(input: &KeyInput, turn: &dyn Fn(f64) -> DQuat, height: &dyn Fn(f64) -> 
         for track in leg.tracks() {
             frames.tracks[track].moves[side] = true;
             if frames.tracks[track].rotates {
-                frames.tracks[track].planted = if straight { LEG_STRAIGHT } else { LEG_TOLERANCE } / 2.0;
+                frames.tracks[track].planted =
+                    if straight { LEG_STRAIGHT } else { super::track::knob("LEG", LEG_TOLERANCE) } / 2.0;
+                frames.tracks[track].tolerance =
+                    frames.tracks[track].tolerance.min(super::track::knob("SWING", SWING_TOLERANCE) / 2.0);
             }
         }
     }
@@ -191,7 +196,8 @@ impl<'a> Frames<'a> {
     fn insert(&mut self, at: usize, time: f32) {
         // A file's 32 bits may put the edge of a contact into the air.
         let edges = self.input.contacts.iter().flat_map(|contact| [contact.start, contact.end]);
-        let exact = edges.into_iter().find(|edge| *edge as f32 == time).unwrap_or(f64::from(time));
+        let edge = edges.into_iter().find(|edge| *edge as f32 == time);
+        let exact = edge.unwrap_or(f64::from(time));
         let now = self.values_at(exact);
         // Three samples to each side that there is, and not the frame's own: where a foot touches down the pose may jump a little.
         let [before, after] = [-SLOPE, SLOPE].map(|step| {
@@ -211,7 +217,8 @@ impl<'a> Frames<'a> {
             let (before, after) = (slope(&before, -1.0), slope(&after, 1.0));
             let (before, after) = (before.or(after).unwrap_or_default(), after.or(before).unwrap_or_default());
             let unit = self.tracks[index].unit;
-            let corner = before.distance(after) * unit > CORNER;
+            // Elsewhere a jump is the noise of a capture.
+            let corner = edge.is_some() && before.distance(after) * unit > super::track::knob("CORNER", CORNER);
             let slopes = if corner { [before, after] } else { [(before + after) * 0.5; 2] };
             let value = if self.tracks[index].rotates { stored(here.normalize()) } else { stored(here) };
             self.tracks[index].frames.insert(at, Frame { value, slopes: slopes.map(stored) });
@@ -323,7 +330,7 @@ impl<'a> Frames<'a> {
     fn put_back(&mut self, contacts: &[(&FootContact, f32, f32)], legs: &[LegChain; 2], turn: &dyn Fn(f64) -> DQuat) {
         let times: Vec<f64> = self.times.iter().map(|time| f64::from(*time)).collect();
         let root = self.root();
-        let most = if self.straight { SLIP_STRAIGHT } else { SLIP };
+        let most = if self.straight { SLIP_STRAIGHT } else { super::track::knob("SLIP", SLIP) };
         for pass in 1..PUT_BACK {
             let mut missing: Vec<(usize, usize)> = Vec::new(); // frame, side
             for (contact, start, end) in contacts {
