@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 /// m: a frame is put in where a planted foot is off by more between frames.
 const BISECT: f64 = 0.05e-3;
 /// m: keys are put back where a planted foot is off by more after reduction.
-const SLIP: f64 = 0.28e-3;
+const SLIP: f64 = 0.22e-3;
 /// m: the same where keys are joined by straight lines: there looser ones slide at more than 10 mm/s.
 const SLIP_STRAIGHT: f64 = 0.11e-3;
 /// rad: and what reduction may then change, 0.02 degrees.
@@ -73,10 +73,10 @@ pub fn keyed_clip(input: &KeyInput) -> Clip {
     keyed_clip_on(input, &|_| DQuat::IDENTITY, &|_| 0.0)
 }
 
-/// The same with all keys joined by straight lines and the travel in the hips: more keys, but a line may be taken out of them.
-pub fn straight_clip(input: &KeyInput) -> Clip {
-    let input = &KeyInput { root_motion: RootMotion::Hips, ..*input };
-    keyed(input, &|_| DQuat::IDENTITY, &|_| 0.0, true)
+/// The same with all keys joined by straight lines: more keys, but a line may be taken out of them, and what a capture trembles
+/// between them is left out.
+pub fn straight_clip_on(input: &KeyInput, turn: &dyn Fn(f64) -> DQuat, height: &dyn Fn(f64) -> f64) -> Clip {
+    keyed(input, turn, height, true)
 }
 
 /// The same where what the feet hold on to turns about the origin: `turn` says how at a time (s), and `height` how high
@@ -103,16 +103,14 @@ fn keyed(input: &KeyInput, turn: &dyn Fn(f64) -> DQuat, height: &dyn Fn(f64) -> 
         for track in leg.tracks() {
             frames.tracks[track].moves[side] = true;
             if frames.tracks[track].rotates {
-                frames.tracks[track].planted =
-                    if straight { LEG_STRAIGHT } else { super::track::knob("LEG", LEG_TOLERANCE) } / 2.0;
-                frames.tracks[track].tolerance =
-                    frames.tracks[track].tolerance.min(super::track::knob("SWING", SWING_TOLERANCE) / 2.0);
+                frames.tracks[track].planted = if straight { LEG_STRAIGHT } else { LEG_TOLERANCE } / 2.0;
+                frames.tracks[track].tolerance = frames.tracks[track].tolerance.min(SWING_TOLERANCE / 2.0);
             }
         }
     }
     let edges = edges(input.contacts, duration);
     let grid = grid(input.fps, duration, &edges);
-    frames.curve.key(&grid.iter().map(|time| f64::from(*time)).collect::<Vec<f64>>());
+    frames.curve.key(&grid.iter().map(|time| f64::from(*time)).collect::<Vec<f64>>(), straight);
     for (at, time) in grid.into_iter().enumerate() {
         frames.insert(at, time);
     }
@@ -218,7 +216,7 @@ impl<'a> Frames<'a> {
             let (before, after) = (before.or(after).unwrap_or_default(), after.or(before).unwrap_or_default());
             let unit = self.tracks[index].unit;
             // Elsewhere a jump is the noise of a capture.
-            let corner = edge.is_some() && before.distance(after) * unit > super::track::knob("CORNER", CORNER);
+            let corner = edge.is_some() && before.distance(after) * unit > CORNER;
             let slopes = if corner { [before, after] } else { [(before + after) * 0.5; 2] };
             let value = if self.tracks[index].rotates { stored(here.normalize()) } else { stored(here) };
             self.tracks[index].frames.insert(at, Frame { value, slopes: slopes.map(stored) });
@@ -330,7 +328,7 @@ impl<'a> Frames<'a> {
     fn put_back(&mut self, contacts: &[(&FootContact, f32, f32)], legs: &[LegChain; 2], turn: &dyn Fn(f64) -> DQuat) {
         let times: Vec<f64> = self.times.iter().map(|time| f64::from(*time)).collect();
         let root = self.root();
-        let most = if self.straight { SLIP_STRAIGHT } else { super::track::knob("SLIP", SLIP) };
+        let most = if self.straight { SLIP_STRAIGHT } else { SLIP };
         for pass in 1..PUT_BACK {
             let mut missing: Vec<(usize, usize)> = Vec::new(); // frame, side
             for (contact, start, end) in contacts {

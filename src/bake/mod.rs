@@ -162,7 +162,9 @@ fn bake_by(rig: &Rig, scenario: &Scenario, options: &BakeOptions, drive: Drive) 
             root_motion,
         };
         let height = |time: f64| interpolated(&heights, timeline.dt, time);
-        keys::keyed_clip_on(&input, &|time| timeline.terrain.turn(time), &height)
+        // A captured base trembles between its frames: curves through them would show it as kicks.
+        let keyed = if timeline.over.is_some() { keys::straight_clip_on } else { keys::keyed_clip_on };
+        keyed(&input, &|time| timeline.terrain.turn(time), &height)
     };
     let mut clip = keyed(options.root);
     if let Some(over) = &performance.timeline.over {

@@ -9,7 +9,7 @@ use super::spline;
 use super::track::CORNER;
 use crate::model::BodyPose;
 use crate::rig::Rig;
-use crate::rig::animate::{RootCarrier, RootMove, hermite};
+use crate::rig::animate::{RootCarrier, RootMove, hermite, slerp};
 use glam::{DQuat, DVec3, DVec4};
 use std::f64::consts::{PI, TAU};
 
@@ -107,6 +107,7 @@ pub struct RootCurve {
     dt: f64,
     samples: Vec<[f64; 4]>, // x, z (m), yaw (rad), y (m)
     knots: Vec<Knot>,       // empty until keyed
+    straight: bool,         // joined by lines
 }
 
 /// A key of the root: values and slopes as a reader has them.
@@ -121,7 +122,9 @@ impl RootCurve {
     /// The path for poses `dt` s apart, the first at time 0, over ground that is that high (m) under them (0 where it is not
     /// said). Without `turning` the yaw stays 0.
     pub fn follow(poses: &[BodyPose], heights: &[f64], dt: f64, turning: bool) -> RootCurve {
-        let Some(first) = poses.first() else { return RootCurve { dt, samples: vec![[0.0; 4]], knots: Vec::new() } };
+        let Some(first) = poses.first() else {
+            return RootCurve { dt, samples: vec![[0.0; 4]], knots: Vec::new(), straight: false };
+        };
         let mut yaw = 0.0;
         let mut samples = Vec::with_capacity(poses.len());
         for (index, pose) in poses.iter().enumerate() {
@@ -133,17 +136,18 @@ impl RootCurve {
             let rise = heights.get(index).map_or(0.0, |height| height - heights[0]);
             samples.push([place.x, place.z, yaw, rise]);
         }
-        RootCurve { dt, samples: smooth(&samples, SMOOTHING / dt.max(1e-6)), knots: Vec::new() }
+        RootCurve { dt, samples: smooth(&samples, SMOOTHING / dt.max(1e-6)), knots: Vec::new(), straight: false }
     }
 
-    /// Replaces the path by splines between as few of `times` (s, rising) as follow it closely. What the root then
+    /// Replaces the path by splines (or straight lines) between as few of `times` (s, rising) as follow it closely. What the root then
     /// does between its keys is known exactly, and the hips make up for it.
-    pub fn key(&mut self, times: &[f64]) {
+    pub fn key(&mut self, times: &[f64], straight: bool) {
+        self.straight = straight;
         let knots: Vec<Knot> = times.iter().map(|time| self.knot_at(*time)).collect();
         let path: Vec<[f64; 4]> = times.iter().map(|time| self.smooth_at(*time)).collect();
         let spans = |from: usize, to: usize| {
             (from + 1..to).all(|at| {
-                let now = between(&knots[from], &knots[to], times[at]);
+                let now = between(&knots[from], &knots[to], times[at], straight);
                 let [x, z, yaw, y] = path[at];
                 let turned = now.rotation * DQuat::from_rotation_y(-yaw);
                 now.translation.distance(DVec3::new(x, y, z)) <= KNOT_PLACE && twist(turned).sin().abs() <= KNOT_YAW
@@ -182,8 +186,8 @@ impl RootCurve {
     pub fn at(&self, time: f64) -> RootMove {
         let next = self.knots.partition_point(|knot| knot.time <= time);
         match (self.knots.get(next.wrapping_sub(1)), self.knots.get(next)) {
-            (Some(earlier), Some(later)) => between(earlier, later, time),
-            (Some(only), None) | (None, Some(only)) => between(only, only, time),
+            (Some(earlier), Some(later)) => between(earlier, later, time, self.straight),
+            (Some(only), None) | (None, Some(only)) => between(only, only, time, self.straight),
             (None, None) => {
                 let [x, z, yaw, y] = self.smooth_at(time);
                 RootMove { rotation: DQuat::from_rotation_y(yaw), translation: DVec3::new(x, y, z) }
@@ -226,9 +230,13 @@ impl RootCurve {
 }
 
 /// As a reader joins two keys.
-fn between(from: &Knot, to: &Knot, time: f64) -> RootMove {
+fn between(from: &Knot, to: &Knot, time: f64, straight: bool) -> RootMove {
     let seconds = to.time - from.time;
     let share = if seconds > 0.0 { ((time - from.time) / seconds).clamp(0.0, 1.0) } else { 0.0 };
+    if straight {
+        let turn = slerp(DQuat::from_vec4(from.turn[0]), DQuat::from_vec4(to.turn[0]), share);
+        return RootMove { rotation: turn, translation: from.place[0].lerp(to.place[0], share).truncate() };
+    }
     let place = hermite([from.place[0], from.place[1], to.place[1], to.place[0]], seconds, share);
     let turn = hermite([from.turn[0], from.turn[1], to.turn[1], to.turn[0]], seconds, share);
     RootMove { rotation: DQuat::from_vec4(turn.try_normalize().unwrap_or(DVec4::W)), translation: place.truncate() }

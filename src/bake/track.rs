@@ -12,9 +12,6 @@ use glam::{DQuat, DVec3, DVec4};
 const BEND: f64 = 32.0;
 /// Keys of straight lines that are worth one of a curve: it has two tangents beside its value.
 const STRAIGHT: f64 = 2.0;
-pub(super) fn knob(name: &str, value: f64) -> f64 {
-    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(value)
-}
 /// A second: slopes before and after a frame that differ by more are a corner, and an end that leads by less is level; in rad
 /// or m.
 pub(super) const CORNER: f64 = 0.05;
