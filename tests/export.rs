@@ -109,7 +109,7 @@ fn planted_feet_stay_between_keys_and_few_keys_are_left() {
         let share = keys as f64 / (frames * clip.channels.len()) as f64;
         println!("{name}: slip {:.3} mm, {keys} keys, {:.1} % of frames x channels", worst * 1e3, share * 100.0);
         assert!(worst < 0.5e-3, "{name}: {worst}");
-        assert!(share < 0.25, "{name}: {share}"); // a clip that steps all the time
+        assert!(share < 0.3, "{name}: {share}"); // a clip that steps all the time
     }
 }
 
