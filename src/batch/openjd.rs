@@ -58,8 +58,8 @@ fn template(job: &FarmJob) -> Value {
     steps.push(merge);
     json!({
         "specificationVersion": "jobtemplate-2023-09",
-        // What stands in double braces would be read as a reference.
-        "name": job.title(MOST_NAME - 16).replace("{{", "{ {"),
+        // What stands in braces could be read as a reference.
+        "name": job.title(MOST_NAME).replace('{', "(").replace('}', ")"),
         "description": format!("{count} variations in {chunks} chunks of up to {}; written by `surefoot batch --openjd`.", job.chunk.max(1)),
         "parameterDefinitions": [
             path("SweepFile", "FILE", "IN", "CHOOSE_INPUT_FILE", "Sweep", "The sweep. What it names is found beside it."),
@@ -193,8 +193,8 @@ mod tests {
             let template = read(&FarmJob { name: name.to_owned(), ..job(3, 1) }, "template.json");
             template["name"].as_str().expect("text").to_owned()
         };
-        assert_eq!(named("hit\n{{Param.X}}\treactions"), "hit { {Param.X}} reactions");
-        assert!(named(&"{{".repeat(500)).chars().count() <= 2 * MOST_NAME && !named(&"{{".repeat(500)).contains("{{"));
+        assert_eq!(named("hit\n{{Param.X}}\treactions"), "hit ((Param.X)) reactions");
+        assert_eq!(named(&"{{".repeat(500)), "(".repeat(MOST_NAME));
         assert_eq!(named("\n"), "surefoot");
     }
 
