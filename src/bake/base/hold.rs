@@ -17,7 +17,9 @@ use glam::{DQuat, DVec3};
 /// m at a leg of 0.83 m: a heel or ball that is farther over the other's floor is up.
 const UP: f64 = 0.015;
 /// m at a leg of 0.83 m: a foot that is so far from where it lies does not stand there yet, or no more.
-const OFF: f64 = 0.05;
+const OFF: f64 = 0.1;
+/// m at a leg of 0.83 m: a foot that lies nearer to the ground is put on it.
+const GROUNDED: f64 = 0.05;
 /// m, the same of its height.
 const OVER: f64 = 0.012;
 
@@ -90,7 +92,14 @@ pub(super) fn hold(
                 let ball_of = |posed: &Posed| posed.ankle + posed.foot * to_ball;
                 lies.ankle += ball_of(&posed[frame]) - ball_of(&lies);
             }
-            _ => {}
+            Some(_) => {}
+            // On the ground, where the clip's may float or sink by what keys and shoes are off.
+            None => {
+                let over = sole_height(body, side, &lies);
+                if over.abs() < GROUNDED * size {
+                    lies.ankle.y -= over;
+                }
+            }
         }
         let heel_at = lies.ankle + lies.foot * to_heel;
         let ball_at = lies.ankle + lies.foot * to_ball;
@@ -104,12 +113,13 @@ pub(super) fn hold(
                 lies
             } else {
                 let foot = (own.foot * to.foot.inverse() * lies.foot).normalize();
-                Posed { ankle: ball_at - foot * to_ball, foot, toe: lies.toe }
+                // Toes lie while the foot rolls over them, but for how the clip has them at a frame that is kept.
+                let near = kept
+                    .filter(|kept| *kept > flat_to)
+                    .map_or(0.0, |kept| smooth3((frame - flat_to) as f64 / (kept - flat_to) as f64));
+                let toe = lies.toe.slerp((own.toe * to.toe.inverse() * lies.toe).normalize(), near);
+                Posed { ankle: ball_at - foot * to_ball, foot, toe }
             });
-            // A clip whose feet slide by more than can be mended slides on.
-            if let Some(held) = &mut held[frame] {
-                held.ankle = own.ankle + (held.ankle - own.ankle).clamp_length_max(OFF * size);
-            }
         }
         let yaw = foot_yaw(body, side, lies.foot);
         let time = |frame: usize| frame as f64 / fps;
@@ -173,6 +183,40 @@ pub(super) fn hold(
         }
     };
     (held.iter().zip(&posed).map(|(held, own)| target(held, own)).collect(), falls)
+}
+
+/// m, the lowest point of a sole.
+fn sole_height(body: &Body, side: Side, posed: &Posed) -> f64 {
+    let shape = &body.feet[side as usize];
+    let toe = shape.toe.map(|toe| body.joints[toe].rest - body.joints[shape.ankle].rest);
+    let rear = shape.rear_sole.iter().map(|vertex| (posed.foot * *vertex).y);
+    let front = shape.front_sole.iter().map(|vertex| match toe {
+        Some(toe) => (posed.foot * toe + posed.toe * (*vertex - toe)).y,
+        None => (posed.foot * *vertex).y,
+    });
+    let lowest = rear.chain(front).fold(f64::INFINITY, f64::min);
+    posed.ankle.y + if lowest.is_finite() { lowest } else { -shape.ankle_height }
+}
+
+/// m, RMS over the frames in which feet bear: how far they are held from where the clip has them.
+pub(super) fn strays(body: &Body, (frames, fps): (&[BaseFrame], f64), contacts: &[Bears]) -> f64 {
+    let size = (body.leg_length / 0.83).max(1e-3);
+    let (mut sum, mut count) = (0.0, 0.0);
+    for side in Side::BOTH {
+        let own: Vec<&Bears> = contacts.iter().filter(|contact| contact.side == side).collect();
+        let bears =
+            |frame: usize| contacts.iter().any(|one| one.side != side && (one.start..=one.end).contains(&frame));
+        let (targets, _) = hold(body, side, frames, &own, (fps, size), (&[], &bears));
+        let ankle = body.feet[side as usize].ankle;
+        for contact in own {
+            for frame in contact.start..=contact.end.min(frames.len() - 1) {
+                let off = targets[frame].ankle - frames[frame].pose.positions(body)[ankle];
+                sum += off.length_squared();
+                count += 1.0;
+            }
+        }
+    }
+    if count > 0.0 { f64::sqrt(sum / count) } else { 0.0 }
 }
 
 /// m, how far the ball joint is over the sole of a level foot.

@@ -13,6 +13,7 @@ mod hold;
 mod over;
 mod prepare;
 pub mod stand;
+mod turning;
 pub mod walk;
 
 pub use beside::add;

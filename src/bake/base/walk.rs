@@ -71,7 +71,7 @@ struct Back {
 impl Walked {
     /// Measures the clip, for a bake of so many seconds.
     pub fn new(base: Arc<Base>, body: &Body, anatomy: &Anatomy, seconds: f64) -> Result<Walked, BaseError> {
-        let gait = Gait::new(&base, body, anatomy, seconds + BEYOND)?;
+        let gait = Gait::new(&base, body, anatomy, seconds + BEYOND, seconds)?;
         let fastest = 1.8 * (body.leg_length / 0.83).sqrt();
         let speed = gait.velocity.length();
         if speed > fastest * 1.05 {
@@ -238,7 +238,10 @@ impl Walked {
 
     fn take_up(&mut self, steps: &mut Vec<Step>, index: usize, fall: &Fall, end: f64) -> bool {
         let step = steps[index];
-        let (later, other) = (step.land - fall.down, step.side.other());
+        // A little sooner, for the end to be one of the clip's frames.
+        let place = (end - step.land + fall.down) * self.gait.fps;
+        let sooner = ((place - 1e-6).ceil() - place) / self.gait.fps;
+        let (later, other) = (step.land - fall.down - sooner, step.side.other());
         let (stood, lands) = self.gait.around(other, fall.down);
         let (Some(stood), Some(lands)) = (stood.copied(), lands.copied()) else { return false };
         let shift = (step.to.ankle - fall.plant.ankle) * DVec3::new(1.0, 0.0, 1.0);
@@ -251,6 +254,9 @@ impl Walked {
         let to = Plant { ankle: lands.plant.ankle + shift, ..lands.plant };
         steps.truncate(index + 1);
         steps[index].to.yaw = fall.plant.yaw;
+        if let Some(beat) = self.beats.last_mut().filter(|beat| beat[0] == step.land) {
+            beat[1] = step.land - later;
+        }
         steps.push(Step { lift, land, to, ..after });
         self.back = Some(Back { later, shift, over: [step.lift, land] });
         true
