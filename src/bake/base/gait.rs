@@ -11,7 +11,7 @@ use super::{Base, BaseError, BaseFrame};
 use crate::bake::contacts::FootContact;
 use crate::maths::quat::yaw_of;
 use crate::model::report::Part;
-use crate::model::{Body, Plant, Side};
+use crate::model::{Body, Plant, Role, Side};
 use crate::whole_body::{Anatomy, FootTarget};
 use glam::{DVec2, DVec3};
 
@@ -23,6 +23,10 @@ const EVENED: [f64; 3] = [0.08, 0.2, 0.6];
 const JOLTS: f64 = 3.0;
 /// feet that stray by that much of the leg, mean, from where the clip has them.
 const STRAYS: f64 = 0.1;
+/// Part of the leg: feet that stray by more do not walk.
+const MOST_STRAYS: f64 = 0.25;
+/// Cosine of the trunk's lean, mean: a body that leans more does not walk.
+const UPRIGHT: f64 = 0.5;
 /// Part of the frames in which no foot is seen to bear, of a walk.
 const MOST_FLIGHT: f64 = 0.25;
 
@@ -39,6 +43,8 @@ pub struct Gait {
     pub period: f64,
     /// m, mean centre of mass over the ground.
     pub com_height: f64,
+    /// m, RMS: how far its feet are held from where the clip has them while they bear.
+    pub strays: f64,
     /// How far out each leg reaches, in leg lengths.
     pub reach: [f64; 2],
     /// By touchdown.
@@ -57,6 +63,8 @@ pub struct Fall {
     pub flat: f64,
     pub ball: f64,
     pub up: f64,
+    /// What it stands on before it is flat, and after.
+    pub parts: [Part; 2],
     /// Where it lies.
     pub plant: Plant,
 }
@@ -64,7 +72,8 @@ pub struct Fall {
 /// A way to see a clip as a walk.
 struct Seen {
     cost: f64,
-    aloft: f64, // part of the frames
+    aloft: f64,  // part of the frames
+    strays: f64, // m, RMS
     frames: Vec<BaseFrame>,
     fps: f64,
     period: f64,
@@ -96,20 +105,30 @@ impl Gait {
                 if steps.iter().any(|steps| *steps < 2) {
                     continue;
                 }
-                let away = strays(body, (&unrolled, fps), &contacts) / (STRAYS * body.leg_length);
+                let strays = strays(body, (&unrolled, fps), &contacts);
                 let aloft = flight as f64 / unrolled.len() as f64;
-                let cost = 4.0 * aloft + away + uneven;
+                let cost = 4.0 * aloft + strays / (STRAYS * body.leg_length) + uneven;
                 if best.as_ref().is_none_or(|best| cost < best.cost) {
-                    best = Some(Seen { cost, aloft, frames: unrolled.clone(), fps, period, contacts });
+                    best = Some(Seen { cost, aloft, strays, frames: unrolled.clone(), fps, period, contacts });
                 }
             }
         }
-        let Some(Seen { aloft, frames: unrolled, fps, period, mut contacts, .. }) = best else {
+        let Some(Seen { aloft, strays, frames: unrolled, fps, period, mut contacts, .. }) = best else {
             return Err(unfit("takes too few steps to be a walk".into()));
         };
         let last = unrolled.len() - 1;
         if aloft > MOST_FLIGHT {
             return Err(unfit("runs: both feet are off the ground at times".into()));
+        }
+        if strays > MOST_STRAYS * body.leg_length {
+            return Err(unfit(format!("slides on feet that bear ({:.0} cm)", strays * 100.0)));
+        }
+        let upright = unrolled.iter().map(|frame| upright(body, frame)).sum::<f64>() / unrolled.len() as f64;
+        if upright < UPRIGHT {
+            return Err(unfit(format!(
+                "lies ({:.0} degrees off upright)",
+                upright.clamp(-1.0, 1.0).acos().to_degrees()
+            )));
         }
         bridge(&mut contacts, unrolled.len());
         let seconds = last as f64 / fps;
@@ -140,6 +159,7 @@ impl Gait {
             facing,
             period,
             com_height,
+            strays,
             reach,
             falls: Vec::new(),
             frames,
@@ -218,9 +238,9 @@ impl Gait {
         for fall in self.falls.iter().filter(|fall| fall.side == side) {
             let plant = Plant { ankle: fall.plant.ankle + shift, ..fall.plant };
             let parts = [
-                (Part::Heel, fall.down, fall.flat),
+                (fall.parts[0], fall.down, fall.flat),
                 (Part::Flat, fall.flat, fall.ball),
-                (Part::Ball, fall.ball, fall.up),
+                (fall.parts[1], fall.ball, fall.up),
             ];
             for (part, start, end) in parts {
                 let (start, end) = (start.max(from), end.min(to));
@@ -230,6 +250,13 @@ impl Gait {
             }
         }
     }
+}
+
+/// Cosine of how far the trunk leans.
+fn upright(body: &Body, frame: &BaseFrame) -> f64 {
+    let positions = frame.pose.positions(body);
+    let head = body.joint(Role::Head).map_or(frame.com, |head| positions[head]);
+    (head - frame.pose.hips).try_normalize().map_or(1.0, |up| up.y)
 }
 
 /// The frames at a rate, near their own, at which that time (s) is a frame.
