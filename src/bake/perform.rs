@@ -34,7 +34,7 @@ const EASE_PASSES: usize = 10;
 /// Passes until which recoveries take more care of sudden legs; walks do until the last but one.
 const CARE_PASSES: usize = 8;
 /// s, in which a walk that is a base clip's is left at first and come back to at last.
-const ENDS: f64 = 0.4;
+const ENDS: f64 = 0.25;
 /// Damping of the first passes and of the last.
 const DAMPING: [f64; 2] = [0.002, 0.012];
 /// Passes in which the feet still adapt their roll to the ankles.
@@ -268,9 +268,14 @@ pub fn perform_over(
     reach::lower_into_reach(&mut timeline, &solved, scale, &care, damping(PASSES));
     if home {
         // Both ends are the base clip's.
-        for (index, lowering) in timeline.lowering.iter_mut().enumerate() {
-            let time = index as f64 * timeline.dt;
-            *lowering *= if walks { smooth3(time / ENDS) * smooth3((end - time) / ENDS) } else { left[index] };
+        let held = |index: usize| {
+            let time = index as f64 * trace.dt;
+            if walks { smooth3(time / ENDS) * smooth3((end - time) / ENDS) } else { left[index] }
+        };
+        timeline.lowering.iter_mut().enumerate().for_each(|(index, lowering)| *lowering *= held(index));
+        if walks {
+            let turned = timeline.pelvis.iter_mut().flat_map(|series| series.iter_mut().enumerate());
+            turned.for_each(|(index, turn)| *turn *= held(index));
         }
     }
     let mut lost = trace.lost;

@@ -116,27 +116,24 @@ pub(super) fn hold(
         let (comes_at, leaves_at) = (at(comes), at(leaves));
         for frame in first..=last {
             let own = posed[frame];
-            let rolled = |flat: &Posed, part: Part, pivot: DVec3, at: DVec3, turns: usize| {
+            let rolled = |flat: &Posed, (part, pivot, at): (Part, DVec3, DVec3), turns: usize, kept: Option<usize>| {
                 let foot = (own.foot * flat.foot.inverse() * lies.foot).normalize();
                 let toe = (own.toe * flat.toe.inverse() * lies.toe).normalize();
                 // Toes lie while the foot rolls over them, but for how the clip has them at a frame that is kept.
                 let as_clip = match kept {
                     _ if part == Part::Heel => 1.0,
-                    Some(kept)
-                        if (kept < flat_from) == (turns == flat_from) && !(flat_from..=flat_to).contains(&kept) =>
-                    {
-                        smooth3(frame.abs_diff(turns) as f64 / kept.abs_diff(turns) as f64)
-                    }
-                    _ => 0.0,
+                    Some(kept) => smooth3(frame.abs_diff(turns) as f64 / kept.abs_diff(turns) as f64),
+                    None => 0.0,
                 };
                 Posed { ankle: at - foot * pivot, foot, toe: lies.toe.slerp(toe, as_clip) }
             };
             held[frame] = Some(if frame < flat_from {
-                rolled(&from, parts[0], comes, comes_at, flat_from)
+                let kept = kept.filter(|kept| *kept < flat_from);
+                rolled(&from, (parts[0], comes, comes_at), flat_from, kept)
             } else if frame <= flat_to {
                 lies
             } else {
-                rolled(&to, parts[1], leaves, leaves_at, flat_to)
+                rolled(&to, (parts[1], leaves, leaves_at), flat_to, kept.filter(|kept| *kept > flat_to))
             });
         }
         let yaw = foot_yaw(body, side, lies.foot);
