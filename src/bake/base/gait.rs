@@ -3,13 +3,15 @@
 //! [`super::cycle`] makes it travel and go on, [`super::bearing`] sees which feet bear, [`super::hold`] holds them. Scenario space,
 //! metres, seconds.
 
-use super::bearing::{Bears, bears, bridge, low, seen};
+use super::bearing::{Bears, as_capture, bears, bridge, low, seen};
 use super::cycle::{resampled, travelled, unrolled};
 use super::hold::{hold, strays};
 use super::turning::turning;
 use super::{Base, BaseError, BaseFrame};
+use crate::audit::track::Track;
 use crate::bake::contacts::FootContact;
 use crate::maths::quat::yaw_of;
+use crate::measure::GRAVITY;
 use crate::model::report::Part;
 use crate::model::{Body, Plant, Role, Side};
 use crate::whole_body::{Anatomy, FootTarget};
@@ -25,6 +27,10 @@ const JOLTS: f64 = 3.0;
 const STRAYS: f64 = 0.1;
 /// Part of the leg: feet that stray by more do not walk.
 const MOST_STRAYS: f64 = 0.25;
+/// Of gravity: a body that sinks with more falls,
+const FALLS: f64 = 0.75;
+/// and one that does in more than that part of the frames jumps.
+const MOST_FALLING: f64 = 0.15;
 /// Cosine of the trunk's lean, mean: a body that leans more does not walk.
 const UPRIGHT: f64 = 0.5;
 /// Part of the frames in which no foot is seen to bear, of a walk.
@@ -119,6 +125,10 @@ impl Gait {
         let last = unrolled.len() - 1;
         if aloft > MOST_FLIGHT {
             return Err(unfit("runs: both feet are off the ground at times".into()));
+        }
+        let falls = Track::new(&as_capture(base, body, base.frames())).acceleration;
+        if falls.iter().filter(|rate| rate.y < -FALLS * GRAVITY).count() as f64 > MOST_FALLING * falls.len() as f64 {
+            return Err(unfit("jumps: it falls freely at times".into()));
         }
         if strays > MOST_STRAYS * body.leg_length {
             return Err(unfit(format!("slides on feet that bear ({:.0} cm)", strays * 100.0)));

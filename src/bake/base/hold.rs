@@ -22,6 +22,8 @@ const UP: f64 = 0.015;
 const OFF: f64 = 0.1;
 /// m at a leg of 0.83 m: a foot that lies nearer to the ground is put on it.
 const GROUNDED: f64 = 0.05;
+/// s, in which the speed that a held foot has against the clip's is let go in the air.
+const CARRIES: f64 = 0.2;
 /// s: as long before and after a frame that is kept the clip's own sinking feet sink.
 const KEPT: f64 = 0.12;
 /// s at a leg of 0.83 m: a foot that stands until so shortly before a frame that is kept, or from so shortly after it, stands as the clip's
@@ -171,6 +173,21 @@ pub(super) fn hold(
         let none = (DVec3::ZERO, DQuat::IDENTITY, DQuat::IDENTITY);
         let (from, to) = (before.or(after).unwrap_or(none), after.or(before).unwrap_or(none));
         let kept = exact.iter().copied().find(|exact| (begin..frame).contains(exact));
+        // It leaves and comes with the speed that it has on the ground.
+        let off_by = |at: usize| held[at].map(|held| held.ankle - posed[at].ankle);
+        let slope = |from: Option<usize>, to: Option<usize>| {
+            let both = from.zip(to).filter(|(from, to)| *to < count && held[*from].is_some() && held[*to].is_some());
+            both.and_then(|(from, to)| off_by(to).zip(off_by(from))).map_or(DVec3::ZERO, |(to, from)| to - from)
+        };
+        let (leaves, comes) = (
+            slope(begin.checked_sub(2), begin.checked_sub(1)),
+            slope(Some(frame).filter(|f| *f < count), Some(frame + 1)),
+        );
+        let carries = |frames: usize, since: usize| {
+            let whole = (CARRIES * fps).min(0.5 * frames as f64).max(1.0);
+            let since = since as f64;
+            if since < whole { since * (1.0 - since / whole).powi(2) } else { 0.0 }
+        };
         for at in begin..frame {
             let along = |from: usize, to: usize| smooth3((at + 1 - from) as f64 / (to + 1 - from).max(1) as f64);
             let (from, to, share) = match kept {
@@ -180,8 +197,18 @@ pub(super) fn hold(
             };
             let share = if kept == Some(at) { 1.0 } else { share };
             let own = posed[at];
+            let (gone, left) = match kept {
+                Some(kept) => (carries(kept - begin, at + 1 - begin), carries(frame - 1 - kept, frame - at)),
+                None => (carries(frame - begin, at + 1 - begin), carries(frame - begin, frame - at)),
+            };
+            let carried = match kept {
+                Some(kept) if at == kept => DVec3::ZERO,
+                Some(kept) if at < kept => leaves * gone,
+                Some(_) => -comes * left,
+                None => leaves * gone - comes * left,
+            };
             let mut swings = Posed {
-                ankle: own.ankle + from.0.lerp(to.0, share),
+                ankle: own.ankle + from.0.lerp(to.0, share) + carried,
                 foot: (from.1.slerp(to.1, share) * own.foot).normalize(),
                 toe: (from.2.slerp(to.2, share) * own.toe).normalize(),
             };

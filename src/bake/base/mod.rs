@@ -38,7 +38,7 @@ const LOOPS: f64 = 2.5 * std::f64::consts::PI / 180.0;
 const TOPPLED: f64 = 0.04;
 
 /// m at a leg of 0.83 m: feet that move by less stay.
-const STAYS: f64 = 0.02;
+const STAYS: f64 = 0.006;
 /// s at a leg of 0.83 m: a stand lasts longer.
 const STANDS: f64 = 0.3;
 /// m at a leg of 0.83 m: a stand that shifts its feet does it by less,

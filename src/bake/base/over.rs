@@ -1,6 +1,7 @@
 //! The base clip under a reaction, whichever kind it is.
 
 use super::{Base, BaseError, BaseFrame, Stood, Walked};
+use crate::maths::quat::wrap_angle;
 use crate::model::scenario::{GroundKind, Scenario};
 use crate::model::{Body, Plant};
 use crate::stepper::Step;
@@ -8,6 +9,9 @@ use crate::whole_body::reaction::UpperAngles;
 use crate::whole_body::{Anatomy, BasePose, Neutral};
 use glam::DVec3;
 use std::sync::Arc;
+
+/// The entry of an upper body's angles that is where it faces.
+const FACING: usize = 6;
 
 /// A base clip that is laid under a reaction.
 #[derive(Clone, Debug)]
@@ -77,7 +81,10 @@ impl Over {
             Over::Walk(walked) => {
                 *com = walked.path(com, dt);
                 for (index, angles) in upper.iter_mut().enumerate() {
-                    scale(angles, walked.shows(index as f64 * dt));
+                    let shows = walked.shows(index as f64 * dt);
+                    scale(angles, shows);
+                    let facing = walked.gait.facing;
+                    angles[FACING] = facing + wrap_angle(angles[FACING] - facing) * shows;
                 }
             }
         }
@@ -134,5 +141,5 @@ impl Over {
 
 /// All but where it faces.
 fn scale(angles: &mut UpperAngles, by: f64) {
-    angles.iter_mut().enumerate().filter(|(entry, _)| *entry != 6).for_each(|(_, angle)| *angle *= by);
+    angles.iter_mut().enumerate().filter(|(entry, _)| *entry != FACING).for_each(|(_, angle)| *angle *= by);
 }
