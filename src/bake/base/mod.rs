@@ -10,7 +10,7 @@ mod error;
 mod foot;
 pub mod gait;
 mod hold;
-mod over;
+pub(in crate::bake) mod over;
 mod prepare;
 pub mod stand;
 mod turning;

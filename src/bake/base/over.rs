@@ -3,7 +3,8 @@
 use super::{Base, BaseError, BaseFrame, Stood, Walked};
 use crate::maths::quat::wrap_angle;
 use crate::model::scenario::{GroundKind, Scenario};
-use crate::model::{Body, Plant};
+use crate::model::{Body, Physique, Plant};
+use crate::sim::SimulateOptions;
 use crate::stepper::Step;
 use crate::whole_body::reaction::UpperAngles;
 use crate::whole_body::{Anatomy, BasePose, Neutral};
@@ -46,7 +47,16 @@ impl Over {
             let what = format!("walks, and over a walk {part} is not played: pushes and pulls are");
             return Err(BaseError::Unfit { name: base.name.clone(), what });
         }
-        Walked::new(base.clone(), body, anatomy, scenario.duration).map(|walked| Over::Walk(Box::new(walked)))
+        Walked::new(base.clone(), body, anatomy, whole(scenario, SimulateOptions::default().dt))
+            .map(|walked| Over::Walk(Box::new(walked)))
+    }
+
+    /// Who the stepper knows.
+    pub fn physique(&self, physique: &Physique) -> Physique {
+        match self {
+            Over::Stand(stood) => stood.physique(physique),
+            Over::Walk(walked) => walked.physique(physique),
+        }
     }
 
     /// How much of the reaction is left at a time: `busy` (s) is when the last landing and the last disturbance are over.
@@ -137,6 +147,11 @@ impl Over {
             Over::Walk(walked) => &walked.notes,
         }
     }
+}
+
+/// s, how long a bake of that is, in whole ticks of `dt` s.
+pub(in crate::bake) fn whole(scenario: &Scenario, dt: f64) -> f64 {
+    (scenario.duration / dt).round() * dt
 }
 
 /// All but where it faces.

@@ -22,8 +22,11 @@ pub fn prepare(rig: &Rig, scenario: &Scenario, reading: &Reading, own: Option<us
     let mut capture = without_pose(in_scenario(reading));
     face_forward(&mut capture);
     let capture = onto(&capture, &body);
-    let notes = if own.is_some() { Vec::new() } else { capture.notes.clone() };
-    Ok(Base { own, notes, ..Base::new(&capture)? })
+    let mut base = Base { own, ..Base::new(&capture)? };
+    if own.is_none() {
+        base.notes.splice(0..0, capture.notes.iter().cloned());
+    }
+    Ok(base)
 }
 
 /// The clip from where it begins to move: captures often begin with a frame or two of a T-pose.
