@@ -55,7 +55,7 @@ impl Over {
     pub fn physique(&self, physique: &Physique) -> Physique {
         match self {
             Over::Stand(stood) => stood.physique(physique),
-            Over::Walk(walked) => walked.physique(physique),
+            Over::Walk(_) => *physique,
         }
     }
 

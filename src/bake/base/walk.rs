@@ -10,7 +10,7 @@ use crate::maths::curve::smooth3;
 use crate::measure::KnownPush;
 use crate::model::report::Part;
 use crate::model::scenario::Walk;
-use crate::model::{Body, Physique, Plant, Side};
+use crate::model::{Body, Plant, Side};
 use crate::sim::{SimulateOptions, Trace};
 use crate::stepper::{Step, StepKind};
 use crate::whole_body::{Anatomy, BasePose, FootTarget, Neutral};
@@ -23,8 +23,6 @@ const WARM: f64 = 6.0;
 const OFF_BEAT: f64 = 0.14;
 /// 1/s, how fast what the two differ by is let go.
 const LETS_GO: f64 = 6.0;
-/// Part of the standing height of the centre of mass: a clip that walks lower by more crouches.
-const CROUCHES: f64 = 0.08;
 /// s, after the last disturbance, before the clip may be taken up.
 const RECOVERS: f64 = 0.6;
 /// m at a leg of 0.83 m: a step that differs by less from those before the disturbance is one of the walk.
@@ -96,15 +94,6 @@ impl Walked {
             back: None,
             beats: Vec::new(),
         })
-    }
-
-    /// Who the stepper knows: as tall as the clip walks, where it crouches.
-    pub fn physique(&self, physique: &Physique) -> Physique {
-        let lower = physique.com_height - self.gait.com_height;
-        if lower < CROUCHES * physique.com_height {
-            return *physique;
-        }
-        Physique { com_height: self.gait.com_height, hip_height: physique.hip_height - lower, ..*physique }
     }
 
     /// What the stepper is told.
