@@ -11,6 +11,7 @@
 //! | 4 | [`sim`], [`audit`] | the fixed-step session that runs the stepper under a scenario and leaves a trace; captures to findings |
 //! | 5 | [`bake`], [`correct`] | trace to clip, over a base clip or alone: foot curves, reach envelope, ZMP filter, root motion, key reduction; findings to a corrected clip |
 //! | 6 | [`export`], [`picture`] | bytes of GLB and VRMA, events, engine helpers; contact sheets, plots, pages of audits |
+//! | 7 | [`batch`] | sweep to plan to clips side by side, manifest, near-duplicates, files for farms |
 //! | 8 | [`cli`] | the command line; the files on disk |
 //!
 //! A bake from end to end, as the command line does it (without the files):
@@ -36,6 +37,7 @@
 
 pub mod audit;
 pub mod bake;
+pub mod batch;
 pub mod cli;
 pub mod correct;
 pub mod export;

@@ -17,6 +17,8 @@ mod audit_forces;
 mod audit_grid;
 /// Base clips: stands and walks that a reaction starts from and returns to.
 mod base;
+/// `surefoot batch`: as `bake` makes each, whatever the jobs, chunks, kills; failures, merged files, bad sweeps.
+mod batch;
 /// Baked shoves beside the hand-keyed hits of the same rig; draws them where it is told to.
 mod beside;
 /// Height, masses and soles of real rigs and of the built-in one.
@@ -76,6 +78,8 @@ mod retarget_grid;
 mod rig_variants;
 /// Real rigs: bones, height, heading, unit.
 mod rigs;
+/// The program at a shell of the test's own.
+mod shell;
 /// Soles in plan: apart and uncrossed.
 mod soles;
 /// On one foot, and crouched.

@@ -208,7 +208,7 @@ pub fn safe_name(title: &str) -> String {
 }
 
 /// What of a title engines take.
-fn safe_letters(title: &str) -> String {
+pub fn safe_letters(title: &str) -> String {
     let mut name = String::new();
     for character in title.chars() {
         if character.is_alphanumeric() || character == '-' {

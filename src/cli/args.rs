@@ -29,11 +29,11 @@ pub enum Command {
     Correct(CorrectArgs),
     /// Put a clip of another skeleton onto a rig: by humanoid role, feet held
     Retarget(RetargetArgs),
-    /// (not in this version yet) Bake every variation of a sweep
-    Batch(LaterArgs),
+    /// Bake every variation of a sweep: clips, a table of what each does, pictures
+    Batch(BatchArgs),
     /// Say what was found in a rig: bones, sizes, masses, feet
     Inspect(InspectArgs),
-    /// Write a rig or a scenario to start from
+    /// Write a rig, a scenario or a sweep to start from
     New(NewArgs),
     /// Draw a clip as a contact sheet
     Sheet(SheetArgs),
@@ -143,6 +143,51 @@ pub struct AuditArgs {
     pub jobs: Option<u16>,
 }
 
+/// `surefoot batch`.
+#[derive(Debug, clap::Args)]
+pub struct BatchArgs {
+    /// What varies, in TOML; `surefoot new sweep` writes an example
+    #[arg(value_name = "SWEEP")]
+    pub sweep: PathBuf,
+    /// The folder of the results: a folder of clips for each rig, manifest.csv and .json, sheet.png, coverage.svg. What is done there
+    /// already is kept, so the same command goes on where it stopped
+    #[arg(short, long, value_name = "DIR", required_unless_present = "dry_run")]
+    pub output: Option<PathBuf>,
+    /// How many clips at once; as many as there are cores where left out
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub jobs: Option<u16>,
+    /// Only the variations of those numbers, from 1; no manifest and no pictures: run it without --only when all are done
+    #[arg(long, value_name = "A-B", value_parser = numbers)]
+    pub only: Option<(usize, usize)>,
+    /// Bake again what is done already
+    #[arg(long)]
+    pub force: bool,
+    /// Only list the variations, and say what they will take
+    #[arg(long, conflicts_with_all = ["only", "force", "merge"])]
+    pub dry_run: bool,
+    /// One file a rig with all of its clips, instead of a file a clip
+    #[arg(long)]
+    pub merge: bool,
+    /// No sheet.png
+    #[arg(long)]
+    pub no_sheet: bool,
+    /// Also write each variation's scenario, for `surefoot bake` and the studio
+    #[arg(long)]
+    pub scenarios: bool,
+    /// Instead of baking write a job for a render farm: an Open Job Description bundle into that folder
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["only", "dry_run", "force"])]
+    pub openjd: Option<PathBuf>,
+    /// Instead of baking write a job for Slurm: array and merge scripts into that folder
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["only", "dry_run", "force"])]
+    pub slurm: Option<PathBuf>,
+    /// Variations of one task of a farm's job
+    #[arg(long, value_name = "N", default_value = "24", value_parser = clap::value_parser!(u32).range(1..))]
+    pub chunk: u32,
+    /// Print the manifest as one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// `surefoot inspect`.
 #[derive(Debug, clap::Args)]
 pub struct InspectArgs {
@@ -160,7 +205,7 @@ pub struct NewArgs {
     /// What to write
     #[arg(value_enum)]
     pub what: New,
-    /// Where to; a scenario goes to stdout where left out, a rig to exports/mannequin.glb
+    /// Where to; a scenario or a sweep goes to stdout where left out, a rig to exports/mannequin.glb
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// rig: metres from the ground to the top of the head, with ordinary legs; 1.7 where left out
@@ -233,13 +278,21 @@ pub enum New {
     Rig,
     /// A commented scenario with every key
     Scenario,
-    /// (not in this version yet) A sweep
+    /// A commented sweep with every key
     Sweep,
 }
 
 fn number(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, String> {
     let number: f64 = text.parse().map_err(|_| format!("give a number of {unit}"))?;
     if number >= low && number <= high { Ok(number) } else { Err(format!("give {low} to {high} {unit}")) }
+}
+
+fn numbers(text: &str) -> Result<(usize, usize), String> {
+    let (from, to) = text.split_once('-').unwrap_or((text, text));
+    match (from.trim().parse(), to.trim().parse()) {
+        (Ok(from), Ok(to)) if 1 <= from && from <= to => Ok((from, to)),
+        _ => Err("give the first and the last number, from 1, as in 25-48".to_owned()),
+    }
 }
 
 fn fps(text: &str) -> Result<f64, String> {
@@ -436,7 +489,16 @@ mod tests {
 
     #[test]
     fn what_is_to_come_takes_any_arguments() {
-        assert!(matches!(parsed("surefoot batch a.toml --json - --strict"), Ok(Command::Batch(_))));
+        assert!(matches!(parsed("surefoot studio a.toml --json - --strict"), Ok(Command::Studio(_))));
+    }
+
+    #[test]
+    fn a_batch_needs_a_folder_or_only_lists() {
+        assert!(parsed("surefoot batch a.toml").is_err(), "no folder");
+        assert!(parsed("surefoot batch a.toml --dry-run").is_ok());
+        for (only, good) in [("3-9", true), ("4", true), ("0-3", false), ("9-3", false), ("a", false), ("1-", false)] {
+            assert_eq!(parsed(&format!("surefoot batch a.toml -o d --only {only}")).is_ok(), good, "{only}");
+        }
     }
 
     #[test]

@@ -63,7 +63,7 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         warn(format!("{} takes root motion from {}", engine.title, engine.root));
     }
 
-    let base = resolve::base(&rig, &scenario, args)?;
+    let base = resolve::base(&rig, &scenario, args.scenario.as_deref(), &args.rig)?;
     inputs.extend(base.as_ref().map(|base| base.0.clone()));
     let baked = parts::bake(&rig, &scenario, base.map(|base| base.1), args)?;
     for warning in &baked.warnings {

@@ -10,13 +10,22 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// Files that an interrupt removes.
 static STAGED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
+/// What an interrupt says more.
+static HINT: Mutex<&str> = Mutex::new("");
+
+/// From now on an interrupt says that too.
+pub fn hint(text: &'static str) {
+    *HINT.lock().unwrap_or_else(PoisonError::into_inner) = text;
+}
+
 /// From now on interrupts end the program in order. Where the system refuses a handler they end it as they always did.
 pub fn watch() {
     drop(ctrlc::set_handler(|| {
         for path in staged().drain(..) {
             drop(std::fs::remove_file(path));
         }
-        super::tell("error: interrupted");
+        let hint = HINT.lock().unwrap_or_else(PoisonError::into_inner);
+        super::tell(&format!("error: interrupted{hint}"));
         std::process::exit(Exit::Failed as i32);
     }));
 }

@@ -9,6 +9,10 @@ pub mod audit_json;
 pub mod audit_table;
 pub mod audit_text;
 pub mod bake;
+pub mod batch;
+pub mod batch_farm;
+pub mod batch_out;
+pub mod batch_place;
 pub mod clip_files;
 pub mod correct;
 pub mod exit_code;
@@ -62,14 +66,14 @@ fn dispatch(command: Command) -> Result<Exit, Failure> {
         Command::Audit(args) => audit::run(&args),
         Command::Correct(args) => correct::run(&args),
         Command::Retarget(args) => retarget::run(&args),
-        Command::Batch(_) => Err(not_yet("batch")),
+        Command::Batch(args) => batch::run(&args),
         Command::Studio(_) => Err(not_yet("studio")),
     }
 }
 
 fn not_yet(command: &str) -> Failure {
     Failure::bad_input(format!(
-        "`surefoot {command}` is not in this version yet\n  help: this version has audit, bake, correct, inspect, new, retarget and sheet"
+        "`surefoot {command}` is not in this version yet\n  help: this version has audit, bake, batch, correct, inspect, new, retarget and sheet"
     ))
 }
 

@@ -1,10 +1,10 @@
-//! `surefoot new`: a scenario or a rig to start from.
+//! `surefoot new`: a scenario, a sweep or a rig to start from.
 
 use super::args::{New, NewArgs};
 use super::exit_code::{Exit, Failure};
 use super::writer::{self, Output};
 use super::{parts, say, tell};
-use crate::model::scenario_text;
+use crate::model::{scenario_text, sweep_text};
 use std::path::{Path, PathBuf};
 
 /// Where a rig goes unless it is told.
@@ -30,9 +30,10 @@ pub fn run(args: &NewArgs) -> Result<Exit, Failure> {
             }
             put(&path, parts::new_rig(args.height, args.leg_scale))?;
         }
-        New::Sweep => {
-            return Err(Failure::bad_input("`surefoot new sweep` is not in this version yet\n  help: rig or scenario"));
-        }
+        New::Sweep => match &args.output {
+            None => say(sweep_text::example_text())?,
+            Some(path) => put(path, sweep_text::example_text().into())?,
+        },
     }
     Ok(Exit::Done)
 }

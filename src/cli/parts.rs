@@ -3,8 +3,8 @@
 use super::args::{self, Assist, BakeArgs, Root};
 use super::exit_code::Failure;
 use crate::bake::{BakeError, BakeOptions, Baked, Base, Drive, Helped, RootMotion};
-use crate::model::{Clip, ClipReport, Prop, Scenario, Target};
-use crate::rig::animate::RootCarrier;
+use crate::export::{Exported, Form};
+use crate::model::{Clip, ClipReport, Prop, Scenario};
 use crate::rig::mannequin::{BUILTIN, MannequinOptions, mannequin};
 use crate::rig::{Rig, RigError, clips};
 use crate::{bake, export, picture, rig};
@@ -19,6 +19,11 @@ const MOMENTS: usize = 10;
 pub fn builtin_rig() -> Result<Rig, Failure> {
     let alone = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
     rig::load_bytes("builtin", BUILTIN, &alone, None).map_err(|error| Failure::failed(error.to_string()))
+}
+
+/// Bytes of its document.
+pub fn builtin_size() -> u64 {
+    BUILTIN.len() as u64
 }
 
 /// A rig from a file that is there.
@@ -74,18 +79,6 @@ pub fn bake(rig: &Rig, scenario: &Scenario, base: Option<Arc<Base>>, args: &Bake
     })
 }
 
-/// The bytes of a baked file and of what stands beside it.
-pub struct Exported {
-    /// The rig's document with the clip in it, or a VRM animation.
-    pub file: Vec<u8>,
-    /// `{ clip name: report }`.
-    pub events: Vec<u8>,
-    /// The name that the clip got.
-    pub name: String,
-    /// What had to change in the source's own values, or could not be said.
-    pub changes: Vec<String>,
-}
-
 /// Whether a file of that name is a VRM animation: the motion without the rig.
 pub fn is_vrma(output: &Path) -> bool {
     output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("vrma"))
@@ -96,25 +89,10 @@ pub fn exported(
     rig: &Rig,
     baked: &Baked,
     output: &Path,
-    (with_props, root_joint): (bool, bool),
+    (props, root_joint): (bool, bool),
 ) -> Result<Exported, Failure> {
-    let failed = |error: export::ExportError| Failure::failed(error.to_string());
-    if is_vrma(output) {
-        let name = baked.clip.name.clone();
-        let made = export::vrma(rig, &baked.clip, &baked.report).map_err(failed)?;
-        let events = export::events_json([(name.as_str(), &made.report)]).map_err(failed)?;
-        return Ok(Exported { file: made.bytes, events, name, changes: made.losses });
-    }
-    let clips = [(baked.clip.clone(), baked.report.clone())];
-    let props = if with_props { &baked.props[..] } else { &[] };
-    let carrier = root_joint.then(|| match RootMotion::Root.carrier(rig) {
-        RootCarrier::Node(node) => Target::Node(node),
-        _ => Target::NewRoot,
-    });
-    let file = export::glb_with_root(rig, &clips, props, carrier).map_err(failed)?;
-    let name = file.names.into_iter().next().unwrap_or_else(|| baked.clip.name.clone());
-    let events = export::events_json([(name.as_str(), &baked.report)]).map_err(failed)?;
-    Ok(Exported { file: file.bytes, events, name, changes: file.changes })
+    export::baked(rig, baked, Form { vrma: is_vrma(output), props, root_joint })
+        .map_err(|error| Failure::failed(error.to_string()))
 }
 
 /// A contact sheet as PNG bytes, with what stands beside the body.

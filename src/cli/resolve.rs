@@ -1,11 +1,10 @@
 //! From the names in the arguments to what they hold: looks at the files, reads them, says what is wrong with them.
 
-use super::args::BakeArgs;
 use super::exit_code::{Exit, Failure};
 use super::{parts, scenario_fault, tell};
 use crate::bake::Base;
-use crate::model::scenario_text;
-use crate::model::{Scenario, ScenarioSource};
+use crate::model::{Scenario, ScenarioSource, Sweep};
+use crate::model::{scenario_text, sweep_text};
 use crate::rig::Rig;
 use crate::{bake, mocap};
 use std::fs;
@@ -50,22 +49,35 @@ pub fn rig(path: &Path) -> Result<RigInput, Failure> {
     Ok(RigInput { rig, files })
 }
 
-/// The scenario's base clip on the rig, and the file that it is from: `file` beside the scenario, else the rig's own.
-pub fn base(rig: &Rig, scenario: &Scenario, args: &BakeArgs) -> Result<Option<(PathBuf, Arc<Base>)>, Failure> {
+/// The file that a scenario's base clip is from: `file` beside the scenario, else the rig's own.
+pub fn base_file(
+    scenario: &Scenario,
+    scenario_file: Option<&Path>,
+    rig_file: &Path,
+) -> Result<Option<PathBuf>, Failure> {
     let Some(base) = &scenario.base else { return Ok(None) };
-    let path = match &base.file {
+    match &base.file {
         Some(file) => {
-            let folder = args.scenario.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
-            folder.join(file)
+            let folder = scenario_file.and_then(Path::parent).unwrap_or(Path::new(""));
+            Ok(Some(folder.join(file)))
         }
-        None if args.rig.as_os_str() == "builtin" => {
-            return Err(Failure::bad_input(
-                "[base]: the built-in rig has no clips of its own\n  help: name a motion file: file = \"walk.bvh\""
-                    .to_owned(),
-            ));
-        }
-        None => args.rig.clone(),
-    };
+        None if rig_file.as_os_str() == "builtin" => Err(Failure::bad_input(
+            "[base]: the built-in rig has no clips of its own\n  help: name a motion file: file = \"walk.bvh\""
+                .to_owned(),
+        )),
+        None => Ok(Some(rig_file.to_owned())),
+    }
+}
+
+/// The scenario's base clip on the rig, and the file that it is from.
+pub fn base(
+    rig: &Rig,
+    scenario: &Scenario,
+    scenario_file: Option<&Path>,
+    rig_file: &Path,
+) -> Result<Option<(PathBuf, Arc<Base>)>, Failure> {
+    let Some(path) = base_file(scenario, scenario_file, rig_file)? else { return Ok(None) };
+    let Some(base) = &scenario.base else { return Ok(None) };
     let bad = |error: String| Failure::bad_input(format!("[base]: {error}"));
     plain_file(&path, "a base clip is in a .bvh, .fbx, .glb, .gltf, .vrm or .vrma file")?;
     let file = mocap::load(&path).map_err(|error| bad(error.to_string()))?;
@@ -85,32 +97,41 @@ pub fn base(rig: &Rig, scenario: &Scenario, args: &BakeArgs) -> Result<Option<(P
 
 /// Reads a scenario.
 pub fn scenario(path: &Path) -> Result<Scenario, Failure> {
-    read_scenario(path).map(|(scenario, _)| scenario)
+    scenario_text(path).map(|(scenario, _)| scenario)
 }
 
-fn read_scenario(path: &Path) -> Result<(Scenario, ScenarioSource), Failure> {
-    let there = plain_file(path, "`surefoot new scenario -o FILE.toml` writes one to start from")?;
-    let not_text = |what: &str| {
-        Failure::bad_input(format!(
-            "{}: {what}\n  help: a scenario is a TOML text; the order is `surefoot bake RIG SCENARIO -o OUT.glb`",
-            path.display()
-        ))
-    };
+/// Reads a scenario, and gives its text too.
+pub fn scenario_text(path: &Path) -> Result<(Scenario, String), Failure> {
+    const REMEDY: &str = "a scenario is a TOML text; the order is `surefoot bake RIG SCENARIO -o OUT.glb`";
+    let text = text_of(path, "`surefoot new scenario -o FILE.toml` writes one to start from", "a scenario", REMEDY)?;
+    let scenario = scenario_text::parse(&path.display().to_string(), &text).map_err(|errors| faulty(&errors))?;
+    Ok((scenario, text))
+}
+
+/// Reads a sweep, with the places of its values.
+pub fn sweep(path: &Path) -> Result<(Sweep, ScenarioSource), Failure> {
+    const REMEDY: &str = "a sweep is a TOML text; the order is `surefoot batch SWEEP -o FOLDER`";
+    let text = text_of(path, "`surefoot new sweep -o FILE.toml` writes one to start from", "a sweep", REMEDY)?;
+    sweep_text::read(&path.display().to_string(), &text).map_err(|errors| faulty(&errors))
+}
+
+fn text_of(path: &Path, lacking: &str, what: &str, remedy: &str) -> Result<String, Failure> {
+    let there = plain_file(path, lacking)?;
+    let not_text = |wrong: &str| Failure::bad_input(format!("{}: {wrong}\n  help: {remedy}", path.display()));
     if there.len() > LARGEST_SCENARIO {
-        return Err(not_text("too large for a scenario"));
+        return Err(not_text(&format!("too large for {what}")));
     }
     let bytes =
         fs::read(path).map_err(|error| Failure::bad_input(format!("{}: cannot be read: {error}", path.display())))?;
-    let text = String::from_utf8(bytes).map_err(|error| {
+    String::from_utf8(bytes).map_err(|error| {
         let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = good.iter().filter(|byte| **byte == b'\n').count() + 1;
         not_text(&format!("line {line} is not UTF-8 text"))
-    })?;
-    scenario_text::read(&path.display().to_string(), &text).map_err(|errors| faulty(&errors))
+    })
 }
 
-/// Prints the faults of a scenario; the failure that remains has nothing to add.
-fn faulty(errors: &crate::model::ScenarioErrors) -> Failure {
+/// Prints the faults of a scenario or a sweep; the failure that remains has nothing to add.
+pub fn faulty(errors: &crate::model::ScenarioErrors) -> Failure {
     tell(scenario_fault::draw(errors).trim_end());
     let count = errors.faults.len();
     let faults = if count == 1 { "1 fault".to_owned() } else { format!("{count} faults") };

@@ -10,6 +10,9 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
+/// How the names of files begin and end that are not in their place yet.
+pub const STAGED: (&str, &str) = (".surefoot-", ".tmp");
+
 /// A file to write.
 #[derive(Clone, Debug)]
 pub struct Output {
@@ -130,7 +133,7 @@ fn stage(output: &Output) -> std::io::Result<NamedTempFile> {
 
 fn beside(folder: &Path) -> std::io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".surefoot-").suffix(".tmp");
+    builder.prefix(STAGED.0).suffix(STAGED.1);
     #[cfg(unix)]
     {
         // What any new file gets; the umask takes its part.

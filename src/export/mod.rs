@@ -2,6 +2,7 @@
 //! is touched here.
 
 pub mod amend;
+mod baked;
 mod buffers;
 pub mod engine;
 pub mod events;
@@ -12,6 +13,7 @@ mod tpose;
 pub mod vrma;
 
 pub use amend::{Amended, amend};
+pub use baked::{Exported, Form, baked};
 pub use events::events_json;
 pub use glb::{ExportedGlb, glb, glb_with_props, glb_with_root};
 pub use tpose::t_pose;

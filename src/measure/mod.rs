@@ -4,6 +4,7 @@
 //! that a reader will get; the contacts it claims and the pushes it was given come beside it. [`measure`] gives every
 //! finding, [`plausibility()`] the part of them that a baked clip says about itself.
 
+pub mod alike;
 pub mod dynamics;
 pub mod feet;
 #[cfg(test)]

@@ -2,8 +2,10 @@
 //!
 //! Keys are f32, as glTF stores them: what is measured on a clip is measured on what a reader will get.
 
+use serde::{Deserialize, Serialize};
+
 /// An animation clip.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Clip {
     /// Animation name.
     pub name: String,
@@ -16,7 +18,7 @@ pub struct Clip {
 }
 
 /// One animated property.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Channel {
     /// What moves.
     pub target: Target,
@@ -29,7 +31,7 @@ pub struct Channel {
 }
 
 /// The node that a channel drives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Target {
     /// A node of the source document, by its index there.
     Node(usize),
@@ -42,7 +44,7 @@ pub enum Target {
 }
 
 /// Key values by path.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum KeyValues {
     /// Local translation.
     Translation(Vec<[f32; 3]>),
@@ -79,7 +81,7 @@ impl Channel {
 }
 
 /// glTF interpolation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Interpolation {
     /// LINEAR, slerp for rotations.
     Linear,

@@ -16,6 +16,9 @@ pub mod scenario_errors;
 mod scenario_reader;
 pub mod scenario_rules;
 pub mod scenario_text;
+pub mod sweep;
+pub mod sweep_range;
+pub mod sweep_text;
 pub mod terrain;
 
 pub use body::{Body, BodyJoint, Flesh, FootShape, Segment, Side};
@@ -29,4 +32,5 @@ pub use report::ClipReport;
 pub use role::Role;
 pub use scenario::Scenario;
 pub use scenario_errors::{ScenarioErrors, ScenarioSource};
+pub use sweep::Sweep;
 pub use terrain::{Spot, Terrain};

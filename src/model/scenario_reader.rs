@@ -9,6 +9,8 @@ use toml::de::{DeTable, DeValue};
 
 /// One table, as it is read.
 pub(super) struct Reader<'r, 'i> {
+    /// What the whole document is, for messages.
+    what: &'static str,
     table: &'r DeTable<'i>,
     /// Bytes of the table's header, for what it lacks.
     span: Range<usize>,
@@ -19,9 +21,14 @@ pub(super) struct Reader<'r, 'i> {
 }
 
 impl<'r, 'i> Reader<'r, 'i> {
-    /// The whole document.
-    pub(super) fn new(table: &'r DeTable<'i>, places: &'r mut Places, faults: &'r mut Vec<TextFault>) -> Self {
-        Reader { table, span: 0..0, path: String::new(), asked: Vec::new(), places, faults }
+    /// The whole document, and what it is.
+    pub(super) fn new(
+        what: &'static str,
+        table: &'r DeTable<'i>,
+        places: &'r mut Places,
+        faults: &'r mut Vec<TextFault>,
+    ) -> Self {
+        Reader { what, table, span: 0..0, path: String::new(), asked: Vec::new(), places, faults }
     }
 
     /// The value under a key, whatever it is. Counts as asked for.
@@ -42,6 +49,28 @@ impl<'r, 'i> Reader<'r, 'i> {
             return 0.0;
         }
         self.number(key).unwrap_or(0.0)
+    }
+
+    /// A number of a range; `unit` is for the message.
+    pub(super) fn number_within(&mut self, key: &'static str, (low, high): (f64, f64), unit: &str) -> Option<f64> {
+        let value = self.value(key)?;
+        let number = self.number_of(self.path_of(key), value)?;
+        if !(low..=high).contains(&number) {
+            let message = format!("`{key}` = {number} is out of range");
+            self.fault(self.path_of(key), value.span(), message, &format!("give {low} to {high} {unit}"));
+        }
+        Some(number)
+    }
+
+    /// True or false.
+    pub(super) fn truth(&mut self, key: &'static str) -> Option<bool> {
+        match self.peek(key)? {
+            DeValue::Boolean(truth) => Some(*truth),
+            _ => {
+                self.wrong_type(key, "true or false", &format!("write `{key} = true`, without quotes"));
+                None
+            }
+        }
     }
 
     /// A number of degrees, in radians.
@@ -146,7 +175,15 @@ impl<'r, 'i> Reader<'r, 'i> {
             self.wrong_type(key, "a table", &format!("write it under a header of its own: `[{key}]`"));
             return None;
         };
-        Some(Reader { table, span: value.span(), path, asked: Vec::new(), places: self.places, faults: self.faults })
+        Some(Reader {
+            what: self.what,
+            table,
+            span: value.span(),
+            path,
+            asked: Vec::new(),
+            places: self.places,
+            faults: self.faults,
+        })
     }
 
     /// The entries of a lane, `[[key]]`; each is read by `read`.
@@ -166,6 +203,7 @@ impl<'r, 'i> Reader<'r, 'i> {
                 continue;
             };
             let mut reader = Reader {
+                what: self.what,
                 table,
                 span: entry.span(),
                 path,
@@ -181,7 +219,7 @@ impl<'r, 'i> Reader<'r, 'i> {
 
     /// Notes that a key is not there but must be.
     pub(super) fn missing(&mut self, key: &'static str, remedy: &str) {
-        let within = if self.path.is_empty() { "the scenario".to_owned() } else { format!("`{}`", self.path) };
+        let within = if self.path.is_empty() { self.what.to_owned() } else { format!("`{}`", self.path) };
         self.fault(self.path_of(key), self.span.clone(), format!("{within} has no `{key}`"), remedy);
     }
 

@@ -24,11 +24,12 @@ pub fn read(name: &str, text: &str) -> Result<(Scenario, ScenarioSource), Scenar
     let (document, broken) = DeTable::parse_recoverable(text);
     let mut source = ScenarioSource::new(name, text);
     if !broken.is_empty() {
-        let faults = broken.iter().map(|error| syntax_fault(text, error)).collect();
+        let remedy = "`surefoot new scenario` writes an example of every key";
+        let faults = broken.iter().map(|error| syntax_fault(text, error, remedy)).collect();
         return Err(source.collect(faults));
     }
     let mut faults = Vec::new();
-    let reader = Reader::new(document.get_ref(), source.places_mut(), &mut faults);
+    let reader = Reader::new("the scenario", document.get_ref(), source.places_mut(), &mut faults);
     let scenario = scenario(name, reader);
     if faults.is_empty() {
         let broken_rules = scenario.validate();
@@ -230,19 +231,19 @@ fn mass_curve(entry: &mut Reader<'_, '_>) -> Vec<[f64; 2]> {
 }
 
 /// "dir/shove_left.toml" -> "shove_left".
-fn title_from(name: &str) -> String {
+pub(super) fn title_from(name: &str) -> String {
     let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
     let stem = file.strip_suffix(".toml").unwrap_or(file);
     let stem: String = stem.chars().take(200).collect();
     if stem.trim().is_empty() { Scenario::default().title } else { stem }
 }
 
-fn syntax_fault(text: &str, error: &toml::de::Error) -> TextFault {
+pub(super) fn syntax_fault(text: &str, error: &toml::de::Error, remedy: &str) -> TextFault {
     TextFault {
         path: String::new(),
         span: error.span().unwrap_or(text.len()..text.len()),
         message: format!("this is not TOML: {}", error.message()),
-        remedy: "`surefoot new scenario` writes an example of every key".to_owned(),
+        remedy: remedy.to_owned(),
     }
 }
 

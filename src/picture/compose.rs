@@ -11,7 +11,7 @@ use super::marks::{self, Overlay};
 use super::paint::{self, Ink};
 use super::plan;
 use super::raster::{Camera, Canvas, Lights, Surface};
-use super::shadow::GroundShadow;
+use super::shadow::{self, GroundShadow};
 use super::stage::{self, Stage};
 use super::text::{self, Face, Pen};
 use glam::{DVec2, DVec3};
@@ -108,7 +108,7 @@ pub fn page(frames: &[Frame], trail: &Trail, header: &Header, layout: &Layout) -
     let jobs: Vec<(usize, usize)> = (0..frames.len()).flat_map(|at| [(at, 0), (at, 1)]).collect();
     let pictures: Vec<RgbaImage> = jobs
         .par_iter()
-        .map(|(at, side)| picture(&frames[*at], &cameras[*side][*at], cell as usize, layout.view as usize))
+        .map(|(at, side)| picture(&frames[*at], &cameras[*side][*at], cell as usize, layout.view as usize, FULL))
         .collect();
     let corner = |at: usize| ((at % columns) as u32 * (cell + 1), HEADER + (at / columns) as u32 * block);
     for ((at, side), picture) in jobs.iter().zip(&pictures) {
@@ -144,16 +144,30 @@ pub fn page(frames: &[Frame], trail: &Trail, header: &Header, layout: &Layout) -
     image
 }
 
+/// How finely a picture is drawn.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Grain {
+    /// Samples a pixel in each direction.
+    pub(super) samples: usize,
+    /// m, the squares of the shadow.
+    pub(super) shadow: f64,
+    /// With the marks of the balance.
+    pub(super) points: bool,
+}
+
+/// A page's.
+const FULL: Grain = Grain { samples: 3, shadow: shadow::FINE, points: true };
+
 /// One view of one moment.
-fn picture(frame: &Frame, camera: &Camera, width: usize, height: usize) -> RgbaImage {
+pub(super) fn picture(frame: &Frame, camera: &Camera, width: usize, height: usize, grain: Grain) -> RgbaImage {
     let lights = Lights::of(camera);
     let lamp = (lights.key + DVec3::Y * 1.4).normalize();
-    let mut canvas = Canvas::new(width, height);
+    let mut canvas = Canvas::new(width, height, grain.samples);
     let stage = &frame.stage;
     if stage.is_flat() {
         canvas.background(camera);
         marks::draw_ground(&mut canvas, camera, &frame.overlay);
-        if let Some(shadow) = &GroundShadow::cast(&frame.surfaces, lamp) {
+        if let Some(shadow) = &GroundShadow::cast(&frame.surfaces, lamp, grain.shadow) {
             canvas.shade_ground(camera, shadow);
         }
     } else {
@@ -164,7 +178,7 @@ fn picture(frame: &Frame, camera: &Camera, width: usize, height: usize) -> RgbaI
             let nearest = soles.min_by(|a, b| flat(**a - point).length().total_cmp(&flat(**b - point).length()));
             nearest.map_or(level, |sole| sole.y)
         };
-        let shadow = GroundShadow::cast_over(&frame.surfaces, lamp, &near);
+        let shadow = GroundShadow::cast_over(&frame.surfaces, lamp, grain.shadow, &near);
         let dark = |point: DVec3| shadow.as_ref().map_or(0.0, |shadow| shadow.on(point));
         canvas.sky(camera);
         let foot = frame.overlay.com.map_or(DVec3::ZERO, |com| DVec3::new(com.x, level, com.z));
@@ -189,8 +203,10 @@ fn picture(frame: &Frame, camera: &Camera, width: usize, height: usize) -> RgbaI
     marks::draw_pushes(&mut canvas, camera, &lights, &frame.overlay, &frame.surfaces);
     canvas.ink();
     let mut image = canvas.resolve();
-    let size = (height as f64 / 214.0).sqrt().clamp(0.75, 1.25);
-    marks::draw_points(&mut image, camera, &frame.overlay, size, &|at| stage.height(at));
+    if grain.points {
+        let size = (height as f64 / 214.0).sqrt().clamp(0.75, 1.25);
+        marks::draw_points(&mut image, camera, &frame.overlay, size, &|at| stage.height(at));
+    }
     image
 }
 
@@ -257,7 +273,7 @@ fn cameras(frames: &[Frame], view: View, width: u32, height: u32) -> Vec<Camera>
 }
 
 /// m, how high the ground is under a body, or the body's lowest point where that is lower.
-fn floor(frame: &Frame, (low, high): &(DVec3, DVec3)) -> f64 {
+pub(super) fn floor(frame: &Frame, (low, high): &(DVec3, DVec3)) -> f64 {
     if frame.stage.is_flat() {
         return 0.0;
     }
@@ -266,7 +282,7 @@ fn floor(frame: &Frame, (low, high): &(DVec3, DVec3)) -> f64 {
 }
 
 /// Of the body, m.
-fn bounds(frame: &Frame) -> (DVec3, DVec3) {
+pub(super) fn bounds(frame: &Frame) -> (DVec3, DVec3) {
     let mut low = DVec3::INFINITY;
     let mut high = DVec3::NEG_INFINITY;
     for point in frame.surfaces.iter().flat_map(|surface| &surface.positions).filter(|point| point.is_finite()) {

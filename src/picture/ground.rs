@@ -1,6 +1,6 @@
 //! The ground's squares, and ground that is drawn as triangles: slopes, stairs, a platform. Scenario space, metres.
 
-use super::raster::{Camera, Canvas, GROUND_DROP, Lights, SAMPLES, SHADOW_TINT, SKY_HIGH, SKY_LOW, Surface, shade};
+use super::raster::{Camera, Canvas, GROUND_DROP, Lights, SHADOW_TINT, SKY_HIGH, SKY_LOW, Surface, shade};
 use glam::{DVec2, DVec3, Vec3};
 
 /// m, the side of a square of the ground.
@@ -22,14 +22,14 @@ pub struct GroundLook<'a> {
 impl Canvas {
     /// Sky alone, with haze under the horizon: for a ground that is drawn as triangles.
     pub fn sky(&mut self, camera: &Camera) {
-        let columns = self.width * SAMPLES;
+        let columns = self.width * self.across;
         for y in 0..self.height {
             for x in 0..self.width {
                 let ray = camera.ray(DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
                 let color = SKY_LOW.lerp(SKY_HIGH, (ray.normalize().y / 0.45).clamp(0.0, 1.0) as f32);
-                for row in y * SAMPLES..(y + 1) * SAMPLES {
-                    let first = row * columns + x * SAMPLES;
-                    self.color[first..first + SAMPLES].fill(color);
+                for row in y * self.across..(y + 1) * self.across {
+                    let first = row * columns + x * self.across;
+                    self.color[first..first + self.across].fill(color);
                 }
             }
         }
@@ -62,7 +62,7 @@ impl Canvas {
                     canvas.color[sample] = SECTION;
                     return;
                 }
-                let covers = DVec2::splat(1.0 / (f64::from(nearness) * camera.focal * SAMPLES as f64));
+                let covers = DVec2::splat(1.0 / (f64::from(nearness) * camera.focal * canvas.across as f64));
                 let upright = (normal.y - 0.2).clamp(0.0, 0.1) * 10.0;
                 let tile = tiles((look.squares)(point), covers).lerp(TILE_DARK * 0.8, 1.0 - upright);
                 // Level ground is as bright as the flat one.

@@ -93,10 +93,12 @@ impl Lights {
     }
 }
 
-/// A picture in the making: `SAMPLES` x `SAMPLES` samples a pixel.
+/// A picture in the making, several samples a pixel.
 pub struct Canvas {
     pub(super) width: usize,
     pub(super) height: usize,
+    /// Samples a pixel in each direction.
+    pub(super) across: usize,
     /// Linear RGB a sample.
     pub(super) color: Vec<Vec3>,
     /// 1/m a sample: larger is nearer, 0 is the sky.
@@ -105,8 +107,6 @@ pub struct Canvas {
     body: Vec<bool>,
 }
 
-/// Samples a pixel in each direction.
-pub(super) const SAMPLES: usize = 3;
 /// m; nothing nearer than this is drawn.
 const NEAR: f64 = 0.05;
 /// m; the drawn ground lies that much lower, so that soles on it are in front of it.
@@ -117,12 +117,14 @@ pub(super) const SKY_LOW: Vec3 = Vec3::new(0.80, 0.84, 0.87);
 pub(super) const SHADOW_TINT: Vec3 = Vec3::new(0.05, 0.065, 0.09);
 
 impl Canvas {
-    /// An empty picture, in pixels.
-    pub fn new(width: usize, height: usize) -> Canvas {
-        let samples = width * height * SAMPLES * SAMPLES;
+    /// An empty picture, in pixels, `samples` x `samples` samples each.
+    pub fn new(width: usize, height: usize, samples: usize) -> Canvas {
+        let across = samples.max(1);
+        let samples = width * height * across * across;
         Canvas {
             width,
             height,
+            across,
             color: vec![SKY_LOW; samples],
             nearness: vec![0.0; samples],
             body: vec![false; samples],
@@ -132,19 +134,19 @@ impl Canvas {
     /// Sky, and the ground with squares that fade towards the horizon. The squares are averaged over each pixel by formula,
     /// so one look a pixel is enough.
     pub fn background(&mut self, camera: &Camera) {
-        let columns = self.width * SAMPLES;
-        let step = 1.0 / SAMPLES as f64;
+        let columns = self.width * self.across;
+        let step = 1.0 / self.across as f64;
         let below = -GROUND_DROP - camera.eye.y;
         for y in 0..self.height {
             for x in 0..self.width {
                 let color = backdrop(camera, DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
-                for row in y * SAMPLES..(y + 1) * SAMPLES {
-                    let first = row * columns + x * SAMPLES;
+                for row in y * self.across..(y + 1) * self.across {
+                    let first = row * columns + x * self.across;
                     // 1/depth of a plane is linear in the picture.
                     let ray = camera.ray(DVec2::new(x as f64 + 0.5, (row as f64 + 0.5) * step));
                     let nearness = (ray.y / below).max(0.0) as f32;
-                    self.color[first..first + SAMPLES].fill(color);
-                    self.nearness[first..first + SAMPLES].fill(nearness);
+                    self.color[first..first + self.across].fill(color);
+                    self.nearness[first..first + self.across].fill(nearness);
                 }
             }
         }
@@ -152,7 +154,7 @@ impl Canvas {
 
     /// The body's shadow on the ground and on what is painted there; before the body itself is drawn.
     pub fn shade_ground(&mut self, camera: &Camera, shadow: &GroundShadow) {
-        let columns = self.width * SAMPLES;
+        let columns = self.width * self.across;
         let below = -camera.eye.y;
         for y in 0..self.height {
             for x in 0..self.width {
@@ -163,9 +165,9 @@ impl Canvas {
                 let point = camera.eye + ray * (below / ray.y);
                 let dark = shadow.at(point.x, point.z);
                 if dark > 0.0 {
-                    for row in y * SAMPLES..(y + 1) * SAMPLES {
-                        let first = row * columns + x * SAMPLES;
-                        for color in &mut self.color[first..first + SAMPLES] {
+                    for row in y * self.across..(y + 1) * self.across {
+                        let first = row * columns + x * self.across;
+                        for color in &mut self.color[first..first + self.across] {
                             *color = color.lerp(SHADOW_TINT, dark);
                         }
                     }
@@ -264,9 +266,9 @@ impl Canvas {
 
     /// Darkens the rim of the body and the places where one limb passes before another.
     pub fn ink(&mut self) {
-        let columns = self.width * SAMPLES;
-        let rows = self.height * SAMPLES;
-        let reach = SAMPLES.div_ceil(2);
+        let columns = self.width * self.across;
+        let rows = self.height * self.across;
+        let reach = self.across.div_ceil(2);
         let mut strength = vec![0.0f32; self.color.len()];
         for row in reach..rows.saturating_sub(reach) {
             for column in reach..columns.saturating_sub(reach) {
@@ -297,15 +299,15 @@ impl Canvas {
 
     /// The finished picture in sRGB.
     pub fn resolve(&self) -> RgbaImage {
-        let columns = self.width * SAMPLES;
+        let columns = self.width * self.across;
         let mut image = RgbaImage::new(self.width as u32, self.height as u32);
         for (x, y, pixel) in image.enumerate_pixels_mut() {
             let mut sum = Vec3::ZERO;
-            for row in 0..SAMPLES {
-                let start = (y as usize * SAMPLES + row) * columns + x as usize * SAMPLES;
-                sum += self.color[start..start + SAMPLES].iter().sum::<Vec3>();
+            for row in 0..self.across {
+                let start = (y as usize * self.across + row) * columns + x as usize * self.across;
+                sum += self.color[start..start + self.across].iter().sum::<Vec3>();
             }
-            let mean = sum / (SAMPLES * SAMPLES) as f32;
+            let mean = sum / (self.across * self.across) as f32;
             *pixel = Rgba([to_srgb(mean.x), to_srgb(mean.y), to_srgb(mean.z), 255]);
         }
         image
@@ -313,9 +315,10 @@ impl Canvas {
 
     /// Whether the body is drawn over more than half of a pixel.
     pub fn shows_body(&self, x: usize, y: usize) -> bool {
-        let columns = self.width * SAMPLES;
-        let rows = (0..SAMPLES).map(|row| (y * SAMPLES + row) * columns + x * SAMPLES);
-        rows.flat_map(|start| &self.body[start..start + SAMPLES]).filter(|body| **body).count() * 2 > SAMPLES * SAMPLES
+        let columns = self.width * self.across;
+        let rows = (0..self.across).map(|row| (y * self.across + row) * columns + x * self.across);
+        rows.flat_map(|start| &self.body[start..start + self.across]).filter(|body| **body).count() * 2
+            > self.across * self.across
     }
 
     /// Visits the samples of a triangle: sample, 1/depth, perspective-correct weights of the corners.
@@ -324,14 +327,14 @@ impl Canvas {
         corners: [(DVec2, f64); 3],
         mut visit: impl FnMut(&mut Canvas, usize, f32, [f32; 3]),
     ) {
-        let scale = SAMPLES as f64;
+        let scale = self.across as f64;
         let [a, b, c] = corners.map(|(point, _)| point * scale - 0.5);
         let area = (b - a).perp_dot(c - a);
         if area.abs() < 1e-9 || !area.is_finite() {
             return;
         }
         let inverse = corners.map(|(_, depth)| 1.0 / depth);
-        let (columns, rows) = (self.width * SAMPLES, self.height * SAMPLES);
+        let (columns, rows) = (self.width * self.across, self.height * self.across);
         let low = a.min(b).min(c).ceil().max(DVec2::ZERO);
         let high = a.max(b).max(c).floor().min(DVec2::new(columns as f64 - 1.0, rows as f64 - 1.0));
         if low.x > high.x || low.y > high.y {

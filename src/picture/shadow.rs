@@ -11,6 +11,8 @@ use glam::{DVec2, DVec3};
 pub struct GroundShadow {
     /// m, how far light goes sideways for each metre down, (x, z).
     slant: DVec2,
+    /// m, side of a square of the grid.
+    cell: f64,
     /// m, the patch's low corner, (x, z).
     origin: DVec2,
     /// Squares along each side.
@@ -20,21 +22,26 @@ pub struct GroundShadow {
     dark: Vec<f32>,
 }
 
-/// m, side of a square of the grid.
-const CELL: f64 = 0.012;
+/// m, side of a square of the grid for a common sheet.
+pub const FINE: f64 = 0.012;
 /// m, the top of each band of height, its blur and how dark it gets.
 const BANDS: [(f64, f64, f32); 4] = [(0.07, 0.010, 0.62), (0.30, 0.030, 0.50), (0.90, 0.065, 0.46), (9.0, 0.12, 0.40)];
 /// Squares; a larger patch is not drawn (a body flung apart by bad data).
 const LARGEST: usize = 700;
 
 impl GroundShadow {
-    /// The shadow of what the surfaces are, under a light that comes from `light` (unit, upwards).
-    pub fn cast(surfaces: &[Surface], light: DVec3) -> Option<GroundShadow> {
-        GroundShadow::cast_over(surfaces, light, &|_| 0.0)
+    /// The shadow of what the surfaces are, under a light that comes from `light` (unit, upwards), on squares of `cell` m.
+    pub fn cast(surfaces: &[Surface], light: DVec3, cell: f64) -> Option<GroundShadow> {
+        GroundShadow::cast_over(surfaces, light, cell, &|_| 0.0)
     }
 
     /// The same over ground that is so high (m) below a point: what lies on it is sharp. Ask [`GroundShadow::on`] then.
-    pub fn cast_over(surfaces: &[Surface], light: DVec3, floor: &dyn Fn(DVec3) -> f64) -> Option<GroundShadow> {
+    pub fn cast_over(
+        surfaces: &[Surface],
+        light: DVec3,
+        cell: f64,
+        floor: &dyn Fn(DVec3) -> f64,
+    ) -> Option<GroundShadow> {
         let slant = DVec2::new(light.x, light.z) / light.y.max(0.2);
         let fall = |point: DVec3| DVec2::new(point.x, point.z) - slant * point.y.max(floor(point));
         let mut low = DVec2::INFINITY;
@@ -45,7 +52,7 @@ impl GroundShadow {
         }
         let margin = DVec2::splat(0.4);
         let origin = low - margin;
-        let size = ((high + margin - origin) / CELL).ceil();
+        let size = ((high + margin - origin) / cell).ceil();
         if !size.is_finite() || size.x < 1.0 || size.y < 1.0 || size.max_element() > LARGEST as f64 {
             return None;
         }
@@ -58,13 +65,13 @@ impl GroundShadow {
                 let middle = (a + b + c) / 3.0;
                 let height = middle.y - floor(middle);
                 let Some(band) = BANDS.iter().position(|(top, _, _)| height < *top) else { continue };
-                let place = |point: DVec3| (fall(point) - origin) / CELL;
+                let place = |point: DVec3| (fall(point) - origin) / cell;
                 cover(&mut bands[band], columns, rows, [place(a), place(b), place(c)]);
             }
         }
         let mut dark = vec![0.0f32; columns * rows];
         for (band, (_, blur, depth)) in bands.iter_mut().zip(BANDS) {
-            let radius = (blur / CELL).round() as usize;
+            let radius = (blur / cell).round() as usize;
             for _ in 0..2 {
                 blur_rows(band, columns, radius);
                 blur_columns(band, columns, rows, radius);
@@ -73,7 +80,7 @@ impl GroundShadow {
                 *dark = 1.0 - (1.0 - *dark) * (1.0 - covered * depth);
             }
         }
-        Some(GroundShadow { slant, origin, columns, rows, dark })
+        Some(GroundShadow { slant, cell, origin, columns, rows, dark })
     }
 
     /// How dark a point of ground at any height is, 0..1.
@@ -83,7 +90,7 @@ impl GroundShadow {
 
     /// How dark the ground at height 0 is there, 0..1.
     pub fn at(&self, x: f64, z: f64) -> f32 {
-        let place = (DVec2::new(x, z) - self.origin) / CELL - 0.5;
+        let place = (DVec2::new(x, z) - self.origin) / self.cell - 0.5;
         if place.x < 0.0 || place.y < 0.0 {
             return 0.0;
         }

@@ -74,7 +74,7 @@ fn carried(mark: &SoleMark, turn: DQuat) -> SoleMark {
 }
 
 /// A mark on the plane of its contact.
-fn laid(input: &SheetInput, contact: &Contact, time: f64, mark: SoleMark) -> SoleMark {
+pub(super) fn laid(input: &SheetInput, contact: &Contact, time: f64, mark: SoleMark) -> SoleMark {
     let similarity = &input.rig.document_from_scenario;
     let turn = if contact.frame == "platform" { turn(input, time) } else { DQuat::IDENTITY };
     let point = turn * similarity.inverse_point(DVec3::from(contact.position));
@@ -129,7 +129,7 @@ fn contact_end(report: &ClipReport, side: Side, time: f64) -> f64 {
 }
 
 /// The latest contact of a foot that holds at that time.
-fn contact_at(report: &ClipReport, side: Side, time: f64) -> Option<&Contact> {
+pub(super) fn contact_at(report: &ClipReport, side: Side, time: f64) -> Option<&Contact> {
     let holds = |contact: &&Contact| contact.foot == side && contact.start <= time + 1e-6 && time <= contact.end + 1e-6;
     report.contacts.iter().filter(holds).max_by(|a, b| a.start.total_cmp(&b.start))
 }
@@ -163,7 +163,7 @@ fn spells(input: &SheetInput) -> Vec<Spell> {
 }
 
 /// The sole of a foot where its nodes have it.
-fn sole(rig: &Rig, side: Side, part: Part, transforms: &NodeTransforms) -> SoleMark {
+pub(super) fn sole(rig: &Rig, side: Side, part: Part, transforms: &NodeTransforms) -> SoleMark {
     let body = &rig.body;
     let shape = &body.feet[side as usize];
     let moves =
@@ -183,13 +183,13 @@ fn sole(rig: &Rig, side: Side, part: Part, transforms: &NodeTransforms) -> SoleM
     sole_mark(body, side, part, &place_rear, &place_front)
 }
 
-fn centre_of_mass(rig: &Rig, transforms: &NodeTransforms) -> DVec3 {
+pub(super) fn centre_of_mass(rig: &Rig, transforms: &NodeTransforms) -> DVec3 {
     let pose = body_pose(rig, transforms);
     let positions = pose.positions(&rig.body);
     pose.centre_of_mass(&rig.body, &positions)
 }
 
-fn com_at(input: &SheetInput, time: f64) -> DVec3 {
+pub(super) fn com_at(input: &SheetInput, time: f64) -> DVec3 {
     centre_of_mass(input.rig, &(input.pose)(time))
 }
 
@@ -207,7 +207,7 @@ fn extrapolated(input: &SheetInput, time: f64) -> Option<DVec2> {
 }
 
 /// The report's pushes at that time, on the bones that they name.
-fn pushes(input: &SheetInput, time: f64, transforms: &NodeTransforms) -> Vec<Push> {
+pub(super) fn pushes(input: &SheetInput, time: f64, transforms: &NodeTransforms) -> Vec<Push> {
     let rig = input.rig;
     // of what is carried the box itself is seen
     let pushes = input.report.disturbances.iter().filter(|push| push.kind != "carry");

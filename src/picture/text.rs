@@ -25,6 +25,9 @@ fn font(face: Face) -> Option<&'static FontRef<'static>> {
     }
 }
 
+/// No picture shows more in a line.
+const MOST_LETTERS: usize = 2000;
+
 /// How to write: font, height of the line in pixels, colour.
 #[derive(Clone, Copy, Debug)]
 pub struct Pen {
@@ -89,17 +92,23 @@ pub fn width(face: Face, size: f32, text: &str) -> f32 {
 
 /// The text, cut with "…" so that it takes at most `room` px.
 pub fn fitted(face: Face, size: f32, text: &str, room: f32) -> String {
-    if width(face, size, text) <= room {
+    // A letter takes a few px at least: what no picture can hold is not measured.
+    let letters: Vec<char> = text.chars().take(MOST_LETTERS).collect();
+    if letters.len() < MOST_LETTERS && width(face, size, text) <= room {
         return text.to_owned();
     }
-    let mut kept: Vec<char> = text.chars().collect();
-    while kept.pop().is_some() {
-        let short: String = kept.iter().collect::<String>().trim_end().to_owned() + "…";
-        if width(face, size, &short) <= room {
-            return short;
+    let cut = |kept: usize| letters[..kept].iter().collect::<String>().trim_end().to_owned() + "…";
+    let (mut fits, mut over) = (None, letters.len());
+    let mut next = over / 2;
+    while fits.map_or(over > 0, |fits| fits + 1 < over) {
+        if width(face, size, &cut(next)) <= room {
+            fits = Some(next)
+        } else {
+            over = next
         }
+        next = fits.unwrap_or(0).midpoint(over);
     }
-    String::new()
+    fits.map_or(String::new(), cut)
 }
 
 /// Blends a colour over a pixel, if it is in the picture.
@@ -136,6 +145,10 @@ mod tests {
         assert!(short.ends_with('…') && width(Face::Prose, 20.0, &short) <= 300.0 && short.len() > 20, "{short}");
         assert_eq!(fitted(Face::Prose, 20.0, "a shove", 300.0), "a shove");
         assert_eq!(fitted(Face::Prose, 20.0, "a shove", 1.0), "");
+        assert_eq!(fitted(Face::Prose, 20.0, "", 1.0), "");
+        assert_eq!(fitted(Face::Prose, 20.0, "shove", width(Face::Prose, 20.0, "…")), "…");
+        let endless = fitted(Face::Prose, 20.0, &"x".repeat(1_000_000), 300.0);
+        assert!(endless.ends_with('…') && width(Face::Prose, 20.0, &endless) > 280.0, "as much as there is room for");
     }
 
     #[test]

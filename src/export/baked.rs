@@ -1,0 +1,51 @@
+//! A baked clip as the files that are written for it: the rig's document with the clip, or a VRM animation, and the events beside.
+
+use super::{ExportError, events_json, glb_with_root, vrma};
+use crate::bake::{Baked, RootMotion};
+use crate::model::Target;
+use crate::rig::Rig;
+use crate::rig::animate::RootCarrier;
+
+/// Which files.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Form {
+    /// A VRM animation, the motion alone, instead of a copy of the rig.
+    pub vrma: bool,
+    /// Ground, boxes and balls too, as animated nodes; a VRM animation has none.
+    pub props: bool,
+    /// The node that carries root motion as a joint of the skins.
+    pub root_joint: bool,
+}
+
+/// The bytes of a baked file and of what stands beside it.
+#[derive(Clone, Debug)]
+pub struct Exported {
+    /// The rig's document with the clip in it, or a VRM animation.
+    pub file: Vec<u8>,
+    /// `{ clip name: report }`.
+    pub events: Vec<u8>,
+    /// The name that the clip got.
+    pub name: String,
+    /// What had to change in the source's own values, or could not be said.
+    pub changes: Vec<String>,
+}
+
+/// Makes the files.
+pub fn baked(rig: &Rig, baked: &Baked, form: Form) -> Result<Exported, ExportError> {
+    if form.vrma {
+        let name = baked.clip.name.clone();
+        let made = vrma(rig, &baked.clip, &baked.report)?;
+        let events = events_json([(name.as_str(), &made.report)])?;
+        return Ok(Exported { file: made.bytes, events, name, changes: made.losses });
+    }
+    let clips = [(baked.clip.clone(), baked.report.clone())];
+    let props = if form.props { &baked.props[..] } else { &[] };
+    let carrier = form.root_joint.then(|| match RootMotion::Root.carrier(rig) {
+        RootCarrier::Node(node) => Target::Node(node),
+        _ => Target::NewRoot,
+    });
+    let file = glb_with_root(rig, &clips, props, carrier)?;
+    let name = file.names.into_iter().next().unwrap_or_else(|| baked.clip.name.clone());
+    let events = events_json([(name.as_str(), &baked.report)])?;
+    Ok(Exported { file: file.bytes, events, name, changes: file.changes })
+}
