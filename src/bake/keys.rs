@@ -10,7 +10,7 @@ use super::key_times::{SAME_EDGE, SHORTEST, edges, grid, snapped};
 use super::leg_chain::LegChain;
 use super::leverage::Leverage;
 use super::root_motion::{RootCurve, RootMotion};
-use super::track::{CORNER, Frame, STEEP, Track, stored, stored_rotation, stored_translation};
+use super::track::{Frame, STEEP, Track, stored, stored_rotation, stored_translation};
 use crate::model::{BodyPose, Channel, Clip, Interpolation, KeyValues, Side, Target};
 use crate::rig::animate::{Poser, RootCarrier, RootMove};
 use crate::rig::{Rig, Trs};
@@ -35,6 +35,9 @@ const PLACE_TOLERANCE: f64 = 0.3e-3;
 const ASTRAY: f64 = 0.03;
 /// Times that keys are put back.
 const PUT_BACK: i32 = 24;
+/// A second: where a contact begins or ends, slopes before and after that differ by more are a corner, in rad or m; less is
+/// left to the curve.
+const EDGE_CORNER: f64 = 0.4;
 /// s: slopes are taken over three times this, to either side.
 const SLOPE: f64 = 1.0e-3;
 
@@ -216,7 +219,7 @@ impl<'a> Frames<'a> {
             let (before, after) = (before.or(after).unwrap_or_default(), after.or(before).unwrap_or_default());
             let unit = self.tracks[index].unit;
             // Elsewhere a jump is the noise of a capture.
-            let corner = edge.is_some() && before.distance(after) * unit > CORNER;
+            let corner = edge.is_some() && before.distance(after) * unit > EDGE_CORNER;
             let slopes = if corner { [before, after] } else { [(before + after) * 0.5; 2] };
             let value = if self.tracks[index].rotates { stored(here.normalize()) } else { stored(here) };
             self.tracks[index].frames.insert(at, Frame { value, slopes: slopes.map(stored) });

@@ -10,7 +10,7 @@ use glam::DVec3;
 use std::f64::consts::PI;
 
 /// m: what the ZMP may move by the error of one channel: of the hips' way, which moves all of the body, and of a joint's turn.
-const ZMP: [f64; 2] = [5.0e-3, 14.0e-3];
+const ZMP: [f64; 2] = [1.5e-3, 7.0e-3];
 /// Of the height: how far the farthest joint that a joint carries may be off, a millimetre and a half of a person.
 const PLACE: f64 = 0.9e-3;
 /// rad: what a joint may be off by, 0.1 degrees where it carries far, 0.5 where it carries next to nothing.
@@ -82,7 +82,7 @@ mod tests {
         let turn = |role: Role| leverage.turn(rig.body.joint(role).expect("it has one"));
         let (trunk, arm, hand) = (turn(Role::Spine), turn(Role::LeftUpperArm), turn(Role::LeftHand));
         assert!(3.0 * trunk < arm && 10.0 * arm < hand, "{trunk} {arm} {hand} rad/s²");
-        // 5 mm of 9.81 m/s² over a centre of mass at about a metre.
-        assert!((leverage.place() - 0.05).abs() < 0.01, "{} m/s²", leverage.place());
+        // 1.5 mm of 9.81 m/s² over a centre of mass at about a metre.
+        assert!((leverage.place() - 0.015).abs() < 0.003, "{} m/s²", leverage.place());
     }
 }

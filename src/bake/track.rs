@@ -12,8 +12,7 @@ use glam::{DQuat, DVec3, DVec4};
 const BEND: f64 = 32.0;
 /// Keys of straight lines that are worth one of a curve: it has two tangents beside its value.
 const STRAIGHT: f64 = 2.0;
-/// A second: slopes before and after a frame that differ by more are a corner, and an end that leads by less is level; in rad
-/// or m.
+/// A second: an end that leads by less is level; in rad or m.
 pub(super) const CORNER: f64 = 0.05;
 /// A second: slopes at corners and ends are no steeper, in rad or m; where a pose jumps they mean nothing.
 pub(super) const STEEP: f64 = 20.0;
