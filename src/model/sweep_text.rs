@@ -65,7 +65,7 @@ fn sweep(mut root: Reader<'_, '_>, rules: &mut Rules) -> Sweep {
     let name = root.string("name");
     let mut axes: Vec<(usize, Axis)> = Vec::new();
     if let Some(table) = table_of(&mut root, "vary", rules) {
-        for (key, value) in table {
+        for (key, value) in table.iter() {
             let path = key.get_ref().to_string();
             let place = format!("vary.{path}");
             rules.places.push((place.clone(), value.span()));
@@ -148,13 +148,9 @@ fn stem(file: &str) -> String {
     name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_owned()
 }
 
-fn table_of<'r, 'i>(
-    root: &mut Reader<'r, 'i>,
-    key: &'static str,
-    rules: &mut Rules,
-) -> Option<Vec<(&'r Spanned<std::borrow::Cow<'i, str>>, &'r Spanned<DeValue<'i>>)>> {
+fn table_of<'r, 'i>(root: &mut Reader<'r, 'i>, key: &'static str, rules: &mut Rules) -> Option<&'r DeTable<'i>> {
     match root.peek(key)? {
-        DeValue::Table(table) => Some(table.iter().collect()),
+        DeValue::Table(table) => Some(table),
         _ => {
             rules.fault(key, "this must be a table", &format!("write it under a header of its own: `[{key}]`"));
             None
@@ -203,7 +199,7 @@ fn linked(index: usize, table: &DeTable<'_>, rules: &mut Rules) -> Option<Axis> 
         paths.push(AxisPath { path, place });
     }
     let length = columns[0].len();
-    for (column, path) in columns.iter().zip(&paths).filter(|(column, _)| column.len() != length) {
+    if let Some((column, path)) = columns.iter().zip(&paths).find(|(column, _)| column.len() != length) {
         let message = format!("has {} values, `{}` beside it {length}", column.len(), paths[0].path);
         rules.fault(&path.place, message, "linked values go row by row: give each as many");
         return None;

@@ -55,6 +55,9 @@ impl Dial {
 }
 
 /// Marks of a rig at most; more become shares of wedges.
+/// What marks near-duplicates in wedges.
+const STRIPES: &str = "<defs><pattern id=\"stripes\" width=\"6\" height=\"6\" patternUnits=\"userSpaceOnUse\" patternTransform=\"rotate(45)\">\
+         <rect width=\"1.6\" height=\"6\" fill=\"#fff\" fill-opacity=\".5\"/></pattern></defs>";
 const MOST_MARKS: usize = 130;
 /// px.
 const WIDTH: f64 = 1120.0;
@@ -103,8 +106,7 @@ pub fn coverage(points: &[CoveragePoint], title: &str) -> String {
          height=\"{height:.0}\" role=\"img\"><title>{}</title><style>{STYLE}</style>{}\
          <rect class=\"page\" width=\"{WIDTH:.0}\" height=\"{height:.0}\"/>",
         escaped(title),
-        "<defs><pattern id=\"stripes\" width=\"6\" height=\"6\" patternUnits=\"userSpaceOnUse\" patternTransform=\"rotate(45)\">\
-         <rect width=\"1.6\" height=\"6\" fill=\"#fff\" fill-opacity=\".5\"/></pattern></defs>"
+        STRIPES
     );
     let _ = write!(svg, "<text class=\"h\" x=\"{MARGIN}\" y=\"40\">{}</text>", escaped(&short(title, 84)));
     legend(&mut svg, points);
