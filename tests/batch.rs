@@ -215,6 +215,7 @@ fn what_fails_is_listed_and_the_rest_is_done() {
     let row = csv.lines().nth(2).expect("a row");
     assert!(row.contains(",failed,") && row.contains("[[walk]]"), "{row}");
     assert!(shell.path("out/builtin/w_0.glb").exists() && !shell.path("out/builtin/w_90.glb").exists());
+    shell.run("batch sweep.toml -o out --tolerant").exits(0).says(&["warning: 1 of 3 variations failed"]);
     let json = shell.run("batch sweep.toml -o out --json").exits(3).json();
     assert_eq!(json["clips"][1]["state"], "failed");
 }

@@ -159,6 +159,9 @@ pub struct BatchArgs {
     /// Only the variations of those numbers, from 1; no manifest and no pictures: run it without --only when all are done
     #[arg(long, value_name = "A-B", value_parser = numbers)]
     pub only: Option<(usize, usize)>,
+    /// Exit 0 although a variation failed, once all were tried: for a farm's chunks, so that the merge after them still runs
+    #[arg(long)]
+    pub tolerant: bool,
     /// Bake again what is done already
     #[arg(long)]
     pub force: bool,
