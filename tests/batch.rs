@@ -267,6 +267,28 @@ fn merged_files_hold_every_clip_as_it_is_alone() {
 }
 
 #[test]
+fn helpers_of_engines_stand_beside_the_clips_and_their_roots_are_joints() {
+    let shell = shell();
+    let sweep = SWEEP.replace("drive = \"stepper\"", "drive = \"stepper\"\nengine = [\"unity\", \"godot\"]");
+    fs::write(shell.path("sweep.toml"), sweep.replace("seed = [1, 2]", "seed = [1]")).expect("written");
+    shell.run("batch sweep.toml -o out --scenarios").exits(0);
+    let alone = "bake small.glb out/scenarios/small_shove_side_hard_s1.toml -o alone/shove_side_hard_s1.glb --clip shove_side_hard_s1";
+    shell.run(&format!("{alone} --drive stepper --engine unity,godot")).exits(0);
+    for file in ["shove_side_hard_s1.glb", "SurefootEvents.cs", "surefoot_godot.gd"] {
+        let (one, other) =
+            (fs::read(shell.path(&format!("alone/{file}"))), fs::read(shell.path(&format!("out/small/{file}"))));
+        assert!(one.is_ok_and(|one| other.is_ok_and(|other| one == other)), "{file}");
+    }
+    shell.run("batch sweep.toml -o merged --merge --no-sheet").exits(0);
+    assert!(shell.path("merged/surefoot_godot.gd").exists());
+    let joints = |file: &str| {
+        let rig = rig::load(&shell.path(file)).expect("a baked file");
+        rig.document.list("skins")[0]["joints"].as_array().map_or(0, Vec::len)
+    };
+    assert_eq!(joints("merged/small.glb"), joints("small.glb") + 1);
+}
+
+#[test]
 fn all_that_is_wrong_is_told_before_anything_runs() {
     let shell = shell();
     let cases = [

@@ -8,7 +8,7 @@ use super::batch_out::{self, Results};
 use super::batch_place::{Folder, RigFile, rig_file};
 use super::exit_code::{Exit, Failure};
 use super::{interrupt, resolve, say, tell};
-use crate::batch::run::{Ended, Place, Wanted, run as bake_all};
+use crate::batch::run::{Ended, Place, Wanted, engines, run as bake_all};
 use crate::batch::{Plan, Variation, plan};
 use crate::rig::Rig;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -31,6 +31,9 @@ pub fn run(args: &BatchArgs) -> Result<Exit, Failure> {
         tell(&format!("warning: {}: {note}", args.sweep.display()));
     }
     check_flags(args, &plan)?;
+    for engine in engines(&plan.sweep.bake).filter(|engine| !engine.takes(plan.sweep.bake.root)) {
+        tell(&format!("warning: {} takes root motion from {}", engine.title, engine.root));
+    }
     let (rigs, first) = rigs(&plan, &args.sweep)?;
     let jobs = args.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
     if args.dry_run {

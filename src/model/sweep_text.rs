@@ -5,7 +5,9 @@
 use super::scenario_errors::{Fault, ScenarioErrors, ScenarioSource};
 use super::scenario_reader::Reader;
 use super::scenario_text::{syntax_fault, title_from};
-use super::sweep::{Axis, AxisPath, AxisValues, BakeSettings, Choice, Combine, Condition, Input, Skip, Sweep, Test};
+use super::sweep::{
+    Axis, AxisPath, AxisValues, BakeSettings, Choice, Combine, Condition, ENGINES, Input, Skip, Sweep, Test,
+};
 use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 use toml::{Spanned, Value};
@@ -368,9 +370,22 @@ fn bake_settings(mut table: Reader<'_, '_>) -> BakeSettings {
         props: table.truth("props").unwrap_or(default.props),
         looped: table.truth("loop").unwrap_or(default.looped),
         vrma: table.choice("format", &[("glb", false), ("vrma", true)]).unwrap_or(default.vrma),
+        engines: engines(&mut table),
     };
     table.finish();
     settings
+}
+
+/// One name or a list of them.
+fn engines(table: &mut Reader<'_, '_>) -> Vec<&'static str> {
+    let named = ENGINES.map(|name| (name, name));
+    let Some(value) = table.peek("engine") else { return Vec::new() };
+    let DeValue::Array(list) = value else { return table.choice("engine", &named).into_iter().collect() };
+    let wanted: Vec<&str> = list.iter().filter_map(|entry| entry.get_ref().as_str()).collect();
+    if wanted.len() != list.len() || wanted.iter().any(|name| !ENGINES.contains(name)) {
+        table.wrong_type("engine", "names of engines", &format!("give some of {}", ENGINES.join(", ")));
+    }
+    ENGINES.into_iter().filter(|name| wanted.contains(name)).collect()
 }
 
 #[cfg(test)]
@@ -444,6 +459,7 @@ duration = [3, 4, 5.5]
             ("scenario = \"s.toml\"\n[[linked]]\nseed = [1, 2]\nduration = [1]\n", "sweep.toml:4:12", "row by row"),
             ("scenario = \"s.toml\"\n[sample]\nseed = 1\n", "sweep.toml:2:1", "no `count`"),
             ("scenario = \"s.toml\"\n[bake]\nfps = 0\n", "sweep.toml:3:7", "1 to 240"),
+            ("scenario = \"s.toml\"\n[bake]\nengine = [\"three\", \"untiy\"]\n", "sweep.toml:3:10", "give some of"),
         ];
         for (text, place, words) in cases {
             let line = only_fault(text);

@@ -6,6 +6,7 @@
 
 use super::coverage_marks as marks;
 use super::coverage_wedges as wedges;
+use super::text::escaped;
 use super::verdict::Verdict;
 use std::fmt::Write;
 
@@ -324,22 +325,6 @@ fn short(text: &str, most: usize) -> String {
     let head: String = letters[..most.max(3) - tail - 1].iter().collect();
     let tail: String = letters[letters.len() - tail..].iter().collect();
     format!("{head}…{tail}")
-}
-
-/// Text in XML; what XML cannot hold at all is replaced.
-pub(super) fn escaped(text: &str) -> String {
-    let mut safe = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => safe.push_str("&amp;"),
-            '<' => safe.push_str("&lt;"),
-            '>' => safe.push_str("&gt;"),
-            '"' => safe.push_str("&quot;"),
-            letter if letter.is_control() || matches!(letter, '\u{fffe}' | '\u{ffff}') => safe.push('\u{fffd}'),
-            letter => safe.push(letter),
-        }
-    }
-    safe
 }
 
 #[cfg(test)]
