@@ -8,6 +8,7 @@ pub mod manifest;
 pub mod merged;
 pub mod name;
 pub mod openjd;
+mod paths;
 pub mod pictures;
 pub mod plan;
 pub mod record;

@@ -39,7 +39,7 @@ fn template(job: &FarmJob) -> Value {
         json!({ "name": "Merge", "description": "Finds all clips there and makes manifest, sheet and coverage." });
     if chunks > 0 {
         let (first, last) = ranges(job);
-        let only = ["--only", "{{Task.Param.First}}-{{Task.Param.Last}}"];
+        let only = ["--tolerant", "--only", "{{Task.Param.First}}-{{Task.Param.Last}}"];
         steps.push(json!({
             "name": "Chunks",
             "description": "Bakes the variations First to Last.",
@@ -63,7 +63,7 @@ fn template(job: &FarmJob) -> Value {
         "description": format!("{count} variations in {chunks} chunks of up to {}; written by `surefoot batch --openjd`.", job.chunk.max(1)),
         "parameterDefinitions": [
             path("SweepFile", "FILE", "IN", "CHOOSE_INPUT_FILE", "Sweep", "The sweep. What it names is found beside it."),
-            path("OutputFolder", "DIRECTORY", "INOUT", "CHOOSE_DIRECTORY", "Output folder", "Clips, manifest, sheet and coverage. What is done there is kept."),
+            path("OutputFolder", "DIRECTORY", "OUT", "CHOOSE_DIRECTORY", "Output folder", "Clips, manifest, sheet and coverage. What is done there is kept."),
             {
                 "name": "Surefoot",
                 "type": "STRING",
@@ -176,6 +176,7 @@ mod tests {
             "{{Param.SweepFile}}",
             "-o",
             "{{Param.OutputFolder}}",
+            "--tolerant",
             "--only",
             "{{Task.Param.First}}-{{Task.Param.Last}}",
         ];

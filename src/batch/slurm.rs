@@ -31,7 +31,7 @@ fn chunks(job: &FarmJob) -> String {
          first=$((SLURM_ARRAY_TASK_ID * size + 1))\n\
          last=$((first + size - 1))\n\
          if [ \"$last\" -gt \"$count\" ]; then last=$count; fi\n\
-         exec {} --only \"$first-$last\" --jobs \"${{SLURM_CPUS_PER_TASK:-1}}\"\n",
+         exec {} --tolerant --only \"$first-$last\" --jobs \"${{SLURM_CPUS_PER_TASK:-1}}\"\n",
         job.count,
         job.chunk,
         command(job),
@@ -127,7 +127,8 @@ mod tests {
             let job = FarmJob { flags: vec!["--merge".to_owned()], ..job(count, size) };
             for (task, (first, last)) in job.chunks().enumerate() {
                 let only = format!("{first}-{last}");
-                let wanted = ["batch", &job.sweep, "-o", &job.output, "--merge", "--only", &only, "--jobs", "1"];
+                let wanted =
+                    ["batch", &job.sweep, "-o", &job.output, "--merge", "--tolerant", "--only", &only, "--jobs", "1"];
                 assert_eq!(called(&job, "chunks.sh", task), wanted);
             }
             assert!(text(&job, "chunks.sh").contains(&format!("#SBATCH --array=0-{}\n", job.chunk_count() - 1)));
