@@ -33,6 +33,8 @@ const SWING_TOLERANCE: f64 = 0.2 * std::f64::consts::PI / 180.0;
 const PLACE_TOLERANCE: f64 = 0.3e-3;
 /// A second: what of the poses' slopes a key may lack, in rad or m, before it gets them for its own.
 const ASTRAY: f64 = 0.03;
+/// Times its tolerance that a leg may be off where keys for a planted foot are near.
+const ASIDE: f64 = 2.0;
 /// Times that keys are put back.
 const PUT_BACK: i32 = 24;
 /// A second: where a contact begins or ends, slopes before and after that differ by more are a corner, in rad or m; less is
@@ -125,6 +127,8 @@ fn keyed(input: &KeyInput, turn: &dyn Fn(f64) -> DQuat, height: &dyn Fn(f64) -> 
         .collect();
     frames.bisect(&contacts, &legs, turn);
     frames.reduce(&contacts);
+    frames.put_back(&contacts, &legs, turn);
+    frames.bring_back(&contacts);
     frames.put_back(&contacts, &legs, turn);
     frames.into_clip(duration, &contacts)
 }
@@ -294,12 +298,7 @@ impl<'a> Frames<'a> {
 
     /// Leaves out every key that interpolation restores.
     fn reduce(&mut self, contacts: &[(&FootContact, f32, f32)]) {
-        let planted = Side::BOTH.map(|side| {
-            let holds = |time: &f32| {
-                contacts.iter().any(|(contact, start, end)| contact.side == side && start <= time && time <= end)
-            };
-            self.times.iter().map(holds).collect::<Vec<bool>>()
-        });
+        let planted = self.planted(contacts);
         let times: Vec<f64> = self.times.iter().map(|time| f64::from(*time)).collect();
         let root = self.root();
         for track in &mut self.tracks {
@@ -324,6 +323,29 @@ impl<'a> Frames<'a> {
                 }
             }
             track.settle(&times);
+        }
+    }
+
+    /// (sides, frames) whether the foot holds something.
+    fn planted(&self, contacts: &[(&FootContact, f32, f32)]) -> [Vec<bool>; 2] {
+        Side::BOTH.map(|side| {
+            let holds = |time: &f32| {
+                contacts.iter().any(|(contact, start, end)| contact.side == side && start <= time && time <= end)
+            };
+            self.times.iter().map(holds).collect()
+        })
+    }
+
+    /// Puts keys back where what was done for the planted feet led the legs astray beside them.
+    fn bring_back(&mut self, contacts: &[(&FootContact, f32, f32)]) {
+        let planted = self.planted(contacts);
+        let times: Vec<f64> = self.times.iter().map(|time| f64::from(*time)).collect();
+        let root = self.root();
+        let moving = |track: &&mut Track| {
+            track.moves != [false; 2] && root != Some(track.target) && track.keep.iter().skip(1).any(|keep| *keep)
+        };
+        for track in self.tracks.iter_mut().filter(moving) {
+            track.fill(&times, &planted, ASIDE);
         }
     }
 

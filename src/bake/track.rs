@@ -117,10 +117,8 @@ impl Track {
         })
     }
 
-    /// Chooses as few frames beside those that are kept as leave the others within tolerance: first each time the worst
-    /// between two keys, then without each that the rest can spare.
-    pub(super) fn choose(&mut self, times: &[f64], planted: &[Vec<bool>; 2]) {
-        let forced = self.keep.clone();
+    /// Keeps frames until none is off by more than `most` times its tolerance, first each time the worst between two keys.
+    pub(super) fn fill(&mut self, times: &[f64], planted: &[Vec<bool>; 2], most: f64) {
         self.settle(times);
         loop {
             let mut worst: Vec<(f64, usize)> = Vec::new(); // of the intervals between keys, in order
@@ -129,19 +127,26 @@ impl Track {
                 let off = self.off(times, planted, frame);
                 if self.around[frame].0 != from {
                     from = self.around[frame].0;
-                    worst.push((1.0, frame));
+                    worst.push((most, frame));
                 }
                 if let Some(worst) = worst.last_mut().filter(|worst| off > worst.0) {
                     *worst = (off, frame);
                 }
             }
-            worst.retain(|worst| worst.0 > 1.0);
+            worst.retain(|worst| worst.0 > most);
             if worst.is_empty() {
                 break;
             }
             worst.iter().for_each(|(_, frame)| self.keep[*frame] = true);
             self.settle(times);
         }
+    }
+
+    /// Chooses as few frames beside those that are kept as leave the others within tolerance: first each time the worst
+    /// between two keys, then without each that the rest can spare.
+    pub(super) fn choose(&mut self, times: &[f64], planted: &[Vec<bool>; 2]) {
+        let forced = self.keep.clone();
+        self.fill(times, planted, 1.0);
         for frame in (0..times.len()).filter(|frame| !forced[*frame]) {
             if !self.keep[frame] {
                 continue;
