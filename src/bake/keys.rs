@@ -27,14 +27,14 @@ const SLIP_STRAIGHT: f64 = 0.11e-3;
 const LEG_STRAIGHT: f64 = 0.02 * std::f64::consts::PI / 180.0;
 /// rad: what reduction may change in planted legs and what carries them, 0.05 degrees.
 const LEG_TOLERANCE: f64 = 0.05 * std::f64::consts::PI / 180.0;
-/// rad: the same of legs in the air, 0.2 degrees.
+/// rad: the same of legs in the air, 0.14 degrees.
 const SWING_TOLERANCE: f64 = 0.2 * std::f64::consts::PI / 180.0;
 /// m: and in translations.
 const PLACE_TOLERANCE: f64 = 0.3e-3;
 /// A second: what of the poses' slopes a key may lack, in rad or m, before it gets them for its own.
 const ASTRAY: f64 = 0.03;
 /// Times its tolerance that a leg may be off where keys for a planted foot are near.
-const ASIDE: f64 = 2.0;
+const ASIDE: f64 = 1.0;
 /// Times that keys are put back.
 const PUT_BACK: i32 = 24;
 /// A second: where a contact begins or ends, slopes before and after that differ by more are a corner, in rad or m; less is
