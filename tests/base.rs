@@ -97,12 +97,18 @@ fn what_neither_stands_nor_walks_is_no_base() {
         println!("skipped: no third-party rigs");
         return;
     };
-    let file = data.join("rigs/m2m_human_base_animations.glb");
-    for (clip, why) in
-        [("Sitting_Idle_Loop", "out of its feet"), ("Sprint_Loop", "A base is"), ("Jump_Loop", "A base is")]
-    {
+    let all = [
+        ("m2m_human_base_animations.glb", "Sitting_Idle_Loop", "out of its feet"),
+        ("m2m_human_base_animations.glb", "Sprint_Loop", "A base is"),
+        ("m2m_human_base_animations.glb", "Jump_Loop", "A base is"),
+        ("m2m_human_base_animations.glb", "Jog_Fwd_Loop", "runs"),
+        ("m2m_human_base_animations.glb", "Swim_Fwd_Loop", "lies"),
+        ("kaykit_Knight.glb", "Running_A", "runs"),
+        ("kaykit_Knight.glb", "Running_Strafe_Left", "runs"),
+    ];
+    for (file, clip, why) in all {
         let scenario = shoved(clip, 0.0, 30.0);
-        let (rig, base) = rig_and_clip(&file, clip, &scenario);
+        let (rig, base) = rig_and_clip(&data.join("rigs").join(file), clip, &scenario);
         let told = match base {
             Err(error) => error,
             Ok(base) => {
@@ -138,13 +144,16 @@ fn a_shove_over_an_own_stand_begins_and_ends_in_it() {
     assert!(over.report.plausibility.zmp_inside >= 0.95 && over.report.steps >= 1);
 }
 
-/// Walks of third-party rigs.
-const WALKS: [(&str, &str); 5] = [
-    ("m2m_human_base_animations.glb", "Walk_Loop"),
-    ("m2m_human_base_animations.glb", "Walk_Formal_Loop"),
-    ("kaykit_Knight.glb", "Walking_A"),
-    ("kaykit_Knight.glb", "Walking_Backwards"),
-    ("khronos_CesiumMan.gltf", "0"),
+/// Walks that are a rig's own, as keyed for games: in place, their feet sliding and sinking; the least of ZMP inside that is held over
+/// them, pushed too (KayKit's bodies bounce as no body on such feet can).
+const WALKS: [(&str, &str, f64); 7] = [
+    ("m2m_human_base_animations.glb", "Walk_Loop", 0.85),
+    ("m2m_human_base_animations.glb", "Walk_Formal_Loop", 0.85),
+    ("kaykit_Knight.glb", "Walking_A", 0.8),
+    ("kaykit_Knight.glb", "Walking_B", 0.8),
+    ("kaykit_Knight.glb", "Walking_C", 0.9),
+    ("kaykit_Knight.glb", "Walking_Backwards", 0.75),
+    ("khronos_CesiumMan.gltf", "0", 0.8),
 ];
 
 #[test]
@@ -153,36 +162,64 @@ fn a_walk_is_pushed_and_walks_on_as_before() {
         println!("skipped: no third-party rigs");
         return;
     };
-    for (file, clip) in WALKS {
+    for (file, clip, inside) in WALKS {
         for (heading, impulse) in [(0.0, 0.0), (-90.0, 20.0), (180.0, 40.0)] {
             let mut scenario = shoved(clip, heading, impulse);
             scenario.duration = 8.0;
-            if impulse == 0.0 {
-                scenario.push.clear();
-            }
+            scenario.push.retain(|push| push.force > 0.0);
             let (rig, base) = rig_and_clip(&data.join("rigs").join(file), clip, &scenario);
-            let base = match base {
-                Ok(base) => base,
-                Err(error) => {
-                    println!("{file} {clip}: {error}");
-                    continue;
-                }
-            };
-            let options = BakeOptions { base: Some(Arc::new(base)), ..BakeOptions::default() };
-            match bake(&rig, &scenario, &options) {
-                Ok(baked) => {
-                    row(&format!("{file} {clip} {heading}"), impulse, &baked);
-                    if clip == "Walk_Loop" {
-                        let told = baked.report.base.as_ref().expect("the clip says where it comes from");
-                        assert!(told.first_deg < 0.1 && told.first_mm < 1.0, "{told:?}");
-                        assert!(baked.report.plausibility.zmp_inside > 0.85, "{heading}");
-                        assert!(!matches!(baked.report.outcome, Outcome::Fall));
-                    }
-                }
-                Err(error) => println!("{file} {clip}: {error}"),
+            let scale = rig.body.mass / 89.5 * (rig.body.leg_length / 0.83).sqrt();
+            scenario.push.iter_mut().for_each(|push| push.force *= scale);
+            let baked = baked(&rig, &scenario, base.expect("it is a walk"));
+            row(&format!("{file} {clip} {heading}"), impulse, &baked);
+            let told = baked.report.base.as_ref().expect("the clip says where it comes from");
+            assert!(told.first_deg < 0.1 && told.first_mm < 1.0, "{clip}: {told:?}");
+            assert!(told.last_deg < 0.1 && told.last_mm < 1.0, "{clip} {heading}: {told:?}");
+            assert!(baked.report.plausibility.zmp_inside > inside, "{clip} {heading}");
+            assert!(!matches!(baked.report.outcome, Outcome::Fall), "{clip} {heading}");
+            if impulse == 0.0 {
+                // Of Walking_A the last frame has its heel 3 cm under the ground and its leg straight: the frame before does not reach there.
+                assert!(baked.report.plausibility.slip_max_mm < 7.0, "{clip}");
             }
         }
     }
+}
+
+#[test]
+fn a_base_ends_in_its_clip_wherever_in_a_frame_the_bake_ends() {
+    let Some(data) = data() else {
+        println!("skipped: no third-party rigs");
+        return;
+    };
+    for duration in [5.31, 6.487] {
+        for impulse in [0.0, 20.0] {
+            let mut scenario = shoved("Walk_Loop", 180.0, impulse);
+            scenario.duration = duration;
+            scenario.push.retain(|push| push.force > 0.0);
+            let file = data.join("rigs/m2m_human_base_animations.glb");
+            let (rig, base) = rig_and_clip(&file, "Walk_Loop", &scenario);
+            let baked = baked(&rig, &scenario, base.expect("it is a walk"));
+            let told = baked.report.base.as_ref().expect("the clip says where it comes from");
+            assert!(told.last_deg < 0.1 && told.last_mm < 1.0, "{duration} {impulse}: {told:?}");
+            assert!(told.first_deg < 0.1 && told.first_mm < 1.0, "{duration} {impulse}: {told:?}");
+        }
+    }
+}
+
+#[test]
+fn a_stand_that_shifts_its_feet_is_played_from_where_they_stay() {
+    let Some(data) = data() else {
+        println!("skipped: no third-party rigs");
+        return;
+    };
+    let scenario = shoved("1H_Ranged_Aiming", -90.0, 15.0);
+    let (rig, base) = rig_and_clip(&data.join("rigs/kaykit_Knight.glb"), "1H_Ranged_Aiming", &scenario);
+    let base = base.expect("it is a stand");
+    assert!(!base.walks && base.seconds() > 0.5 && base.seconds() < 0.9, "{} s of 1.07", base.seconds());
+    assert!(base.notes.iter().any(|note| note.contains("shifts its feet")), "{:?}", base.notes);
+    let baked = baked(&rig, &scenario, base);
+    let told = baked.report.base.as_ref().expect("the clip says where it comes from");
+    assert!(told.first_deg.max(told.last_deg) < 0.1 && told.first_mm.max(told.last_mm) < 1.0, "{told:?}");
 }
 
 #[test]
@@ -191,19 +228,24 @@ fn a_captured_walk_of_another_skeleton_goes_on_is_pushed_and_comes_back() {
         println!("skipped: no third-party clips");
         return;
     };
-    for (clip, rig) in [("cmu_02_01_walk.bvh", None), ("pab_walk.fbx", Some("m2m_human_male.glb"))] {
+    // The last one begins with a T-pose and in the middle of a stance.
+    for (clip, rig) in [
+        ("cmu_02_01_walk.bvh", None),
+        ("pab_walk.fbx", Some("m2m_human_male.glb")),
+        ("cmu_12_01_walk.bvh", Some("gdquest_mannequiny.glb")),
+    ] {
         let rig = rig.map_or_else(builtin, |file| load(&data.join("rigs").join(file)).expect("the rig loads"));
         let mut scenario = shoved(clip, 90.0, 30.0);
         scenario.duration = 7.0;
         let clips = mocap::load(&data.join("clips").join(clip)).expect("its clip loads");
         let reading = clips.reading(0, &mocap::Options::default()).expect("it reads");
         let base = prepare(&rig, &scenario, &reading, None).expect("it is a walk");
-        assert!(base.seconds() < 3.5, "the clip is shorter than what is baked");
+        assert!(base.seconds() < 4.5, "the clip is shorter than what is baked");
         let over = baked(&rig, &scenario, base);
         row(clip, 30.0, &over);
         let told = over.report.base.as_ref().expect("the clip says where it comes from");
         assert!(told.first_deg < 0.1 && told.first_mm < 1.0, "{told:?}");
-        assert!(told.last_deg < 0.3 && told.last_mm < 2.0, "{told:?}");
+        assert!(told.last_deg < 0.1 && told.last_mm < 1.0, "{told:?}");
         assert!(over.report.plausibility.zmp_inside > 0.95 && over.report.plausibility.slip_max_mm < 2.0);
         assert!(!matches!(over.report.outcome, Outcome::Fall));
     }

@@ -209,12 +209,13 @@ fn what_fails_is_listed_and_the_rest_is_done() {
     let walk = format!("{SHOVE}\n[[walk]]\nstart = 0.2\nspeed = 0.6\n");
     let sweep = "scenario = \"walk.toml\"\nname = \"w_{walk.0.facing}\"\n[vary]\n\"walk.0.facing\" = [0, 90, 45]\n[bake]\ndrive = \"ragdoll\"\nassist = \"off\"\n";
     let shell = Shell::with(&[("walk.toml", &walk), ("sweep.toml", sweep)]);
-    let told = shell.run("batch sweep.toml -o out").exits(3).says(&["of 3 variations failed", "w_90", "[[walk]]"]);
+    let told = shell.run("batch sweep.toml -o out").exits(3).says(&["2 of 3 variations failed", "w_90", "[[walk]]"]);
     assert!(told.out.contains("failed"), "{}", told.out);
     let csv = fs::read_to_string(shell.path("out/manifest.csv")).expect("a table");
     let row = csv.lines().nth(2).expect("a row");
     assert!(row.contains(",failed,") && row.contains("[[walk]]"), "{row}");
     assert!(shell.path("out/builtin/w_0.glb").exists() && !shell.path("out/builtin/w_90.glb").exists());
+    shell.run("batch sweep.toml -o out --tolerant").exits(0).says(&["warning: 2 of 3 variations failed"]);
     let json = shell.run("batch sweep.toml -o out --json").exits(3).json();
     assert_eq!(json["clips"][1]["state"], "failed");
 }
@@ -263,6 +264,25 @@ fn merged_files_hold_every_clip_as_it_is_alone() {
         assert_eq!((&one["hash"], &one["outcome"]), (&other["hash"], &other["outcome"]));
         assert_eq!(one["file"], format!("{}.glb", one["rig"].as_str().unwrap_or_default()));
     }
+}
+
+#[test]
+fn helpers_of_engines_stand_beside_clips_that_are_baked_for_them() {
+    let shell = shell();
+    let sweep = SWEEP.replace("drive = \"stepper\"", "drive = \"stepper\"\nengine = [\"unity\", \"godot\"]");
+    fs::write(shell.path("sweep.toml"), sweep.replace("seed = [1, 2]", "seed = [1]")).expect("written");
+    shell.run("batch sweep.toml -o out --scenarios").exits(0);
+    let alone = "bake small.glb out/scenarios/small_shove_side_hard_s1.toml -o alone/shove_side_hard_s1.glb --clip shove_side_hard_s1";
+    shell.run(&format!("{alone} --drive stepper --engine unity,godot")).exits(0);
+    for file in ["shove_side_hard_s1.glb", "SurefootEvents.cs", "surefoot_godot.gd"] {
+        let (one, other) =
+            (fs::read(shell.path(&format!("alone/{file}"))), fs::read(shell.path(&format!("out/small/{file}"))));
+        assert!(one.is_ok_and(|one| other.is_ok_and(|other| one == other)), "{file}");
+    }
+    shell.run("batch sweep.toml -o merged --merge --no-sheet").exits(0);
+    assert!(shell.path("merged/surefoot_godot.gd").exists());
+    let skins = |file: &str| rig::load(&shell.path(file)).expect("a baked file").document.list("skins").to_vec();
+    assert_eq!(skins("merged/small.glb"), skins("alone/shove_side_hard_s1.glb"));
 }
 
 #[test]

@@ -260,11 +260,12 @@ fn the_root_goes_with_the_ground_under_the_character() {
         let baked = baked(&rig, &scenario(&format!("root {name}"), 9.0, &format!("{ground}{walk}")));
         let terrain = &baked.performance.timeline.terrain;
         let channel = baked.clip.channels.iter().find_map(|channel| match &channel.values {
-            KeyValues::Translation(keys) if channel.target == carrier => Some(keys),
+            KeyValues::Translation(keys) if channel.target == carrier => Some((channel.interpolation.stride(), keys)),
             _ => None,
         });
-        let keys: Vec<DVec3> =
-            channel.expect("the root travels").iter().map(|key| DVec3::from(key.map(f64::from))).collect();
+        let (stride, numbers) = channel.expect("the root travels");
+        let values = numbers.chunks_exact(stride).map(|key| key[stride / 2]);
+        let keys: Vec<DVec3> = values.map(|key| DVec3::from(key.map(f64::from))).collect();
         let height = |key: &DVec3| terrain.spot(glam::DVec2::new(key.x, key.z)).height;
         let off = keys.iter().map(|key| (key.y - height(key)).abs()).fold(0.0, f64::max);
         let end = keys[keys.len() - 1];

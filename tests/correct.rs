@@ -281,7 +281,9 @@ fn keys_outside_are_the_same(
             let list: Vec<(u32, Vec<u32>)> = (0..times.values.len())
                 .filter(|index| outside(at(*index)))
                 .map(|index| {
-                    (times.values[index].to_bits(), values.element(index).iter().map(|v| v.to_bits()).collect())
+                    let stride = if sampler["interpolation"] == "CUBICSPLINE" { 3 } else { 1 };
+                    let elements = (stride * index..stride * (index + 1)).flat_map(|at| values.element(at));
+                    (times.values[index].to_bits(), elements.map(|v| v.to_bits()).collect())
                 })
                 .collect();
             list

@@ -109,8 +109,7 @@ fn planted_feet_stay_between_keys_and_few_keys_are_left() {
         let share = keys as f64 / (frames * clip.channels.len()) as f64;
         println!("{name}: slip {:.3} mm, {keys} keys, {:.1} % of frames x channels", worst * 1e3, share * 100.0);
         assert!(worst < 0.5e-3, "{name}: {worst}");
-        // Few enough for an engine, many enough that no planted point moves at 10 mm/s: looser keys slide faster.
-        assert!(share < 0.55, "{name}: {share}");
+        assert!(share < 0.3, "{name}: {share}"); // a clip that steps all the time
     }
 }
 
@@ -157,7 +156,9 @@ fn keys_are_what_readers_demand() {
                     channel.target
                 );
                 let KeyValues::Rotation(keys) = &channel.values else { continue };
-                for pair in keys.windows(2) {
+                let stride = channel.interpolation.stride();
+                let values: Vec<[f32; 4]> = keys.chunks_exact(stride).map(|key| key[stride / 2]).collect();
+                for pair in values.windows(2) {
                     let dot: f32 = pair[0].iter().zip(&pair[1]).map(|(a, b)| a * b).sum();
                     assert!(dot > 0.0, "{name} {:?}: neighbours on different hemispheres", channel.target);
                 }
@@ -357,7 +358,8 @@ fn a_key_that_is_no_number_is_refused_with_its_node_and_time() {
     let hips = rig.hips_node();
     let channel = clip.channels.iter_mut().find(|channel| channel.target == Target::Node(hips)).expect("hips move");
     let KeyValues::Translation(keys) = &mut channel.values else { panic!("translations come first") };
-    keys[1][2] = f32::NAN;
+    let stride = channel.interpolation.stride();
+    keys[stride + stride / 2][2] = f32::NAN; // the value of the second key
     let time = f64::from(channel.times[1]);
     let report = report(&clip);
     let error = glb(&rig, &[(clip, report)]).expect_err("NaN");

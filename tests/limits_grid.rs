@@ -7,10 +7,11 @@ use rayon::prelude::*;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use surefoot::bake::{BakeOptions, Baked, bake};
+use surefoot::export::glb;
 use surefoot::measure::percentile;
 use surefoot::model::report::Outcome;
 use surefoot::model::scenario::{Direction, Push, Scenario};
-use surefoot::model::{Body, Role};
+use surefoot::model::{Body, Channel, Clip, ClipReport, Role};
 use surefoot::rig::mannequin::BUILTIN;
 use surefoot::rig::{Rig, load, load_bytes};
 
@@ -94,6 +95,40 @@ pub struct Measured {
     pub rests: bool,
     /// m/s.
     pub ankle_speed: f64,
+    /// Keys and what they take.
+    pub keys: Keys,
+}
+
+/// How few keys a clip has.
+#[derive(Clone, Debug, Default)]
+pub struct Keys {
+    /// Keys over frames x channels.
+    pub share: f64,
+    /// The same over the channels that change anything.
+    pub moving: f64,
+    /// Channels, and those that change anything.
+    pub channels: [usize; 2],
+    /// Bytes that the clip adds to its rig's file.
+    pub added: usize,
+}
+
+impl Keys {
+    /// Of a clip.
+    pub fn of(clip: &Clip) -> Keys {
+        let frames = (clip.duration * clip.fps).round() + 1.0;
+        let share = |channels: &[&Channel]| {
+            let keys: usize = channels.iter().map(|channel| channel.times.len()).sum();
+            keys as f64 / (frames * channels.len().max(1) as f64)
+        };
+        let all: Vec<&Channel> = clip.channels.iter().collect();
+        let moving: Vec<&Channel> = clip.channels.iter().filter(|channel| changes(channel)).collect();
+        Keys { share: share(&all), moving: share(&moving), channels: [all.len(), moving.len()], added: 0 }
+    }
+}
+
+/// Whether a channel's value is not the same all the time.
+fn changes(channel: &Channel) -> bool {
+    channel.times.len() > 1
 }
 
 impl Measured {
@@ -143,7 +178,10 @@ pub fn shove(body: &Body, direction: f64, impulse: f64) -> Scenario {
 pub fn measured(rig: &Rig, direction: f64, impulse: f64) -> Measured {
     let scenario = shove(&rig.body, direction, impulse);
     let baked = bake(rig, &scenario, &BakeOptions::default()).expect("the simulation holds");
-    of(&baked, direction, impulse)
+    let mut measured = of(&baked, direction, impulse);
+    let size = |clips: &[(Clip, ClipReport)]| glb(rig, clips).expect("can be written").bytes.len();
+    measured.keys.added = size(&[(baked.clip, baked.report)]) - size(&[]);
+    measured
 }
 
 /// Bakes a whole grid, in order of direction, then impulse.
@@ -186,6 +224,7 @@ fn of(baked: &Baked, direction: f64, impulse: f64) -> Measured {
         first_step,
         rests: findings.balance.rest_from.is_some(),
         ankle_speed: feet.peak_ankle_speed,
+        keys: Keys::of(&baked.clip),
     }
 }
 
@@ -246,7 +285,7 @@ pub fn head() -> String {
     for (name, ..) in LIMITS {
         let _ = write!(text, "{name:>12}");
     }
-    text + "  | slip p95  zmp mean worst  out p95    ratio      sideways  steps ankle"
+    text + "  | slip p95  zmp mean worst  out p95    ratio      sideways  steps ankle | keys% worst moving% worst    kB most"
 }
 
 /// One row of the table.
@@ -261,15 +300,30 @@ pub fn row(name: &str, clips: &[Measured]) -> String {
     let [side_low, side_high] = sum.ratio_sideways;
     let _ = write!(
         text,
-        "  | {:>8.2}  {:>8.1} {:>5.1}  {:>7.2}  {low:.2}-{high:.2}  {side_low:.2}-{side_high:.2}  {:>5} {:>5.1}",
+        "  | {:>8.2}  {:>8.1} {:>5.1}  {:>7.2}  {low:.2}-{high:.2}  {side_low:.2}-{side_high:.2}  {:>5} {:>5.1} | {}",
         sum.slip[0],
         sum.inside[0],
         sum.inside[1],
         sum.outside,
         clips.iter().map(|clip| clip.steps).max().unwrap_or(0),
-        clips.iter().map(|clip| clip.ankle_speed).fold(0.0, f64::max)
+        clips.iter().map(|clip| clip.ankle_speed).fold(0.0, f64::max),
+        key_columns(clips)
     );
     text
+}
+
+/// Shares of keys and kB, mean and worst, of the clips that do not fall.
+fn key_columns(clips: &[Measured]) -> String {
+    let standing: Vec<&Keys> =
+        clips.iter().filter(|clip| clip.outcome != Outcome::Fall).map(|clip| &clip.keys).collect();
+    let both = |value: fn(&Keys) -> f64| {
+        let values = standing.iter().map(|keys| value(keys));
+        (values.clone().sum::<f64>() / standing.len().max(1) as f64, values.fold(0.0, f64::max))
+    };
+    let (share, most) = both(|keys| 100.0 * keys.share);
+    let (moving, most_moving) = both(|keys| 100.0 * keys.moving);
+    let (added, most_added) = both(|keys| keys.added as f64 / 1e3);
+    format!("{share:>5.1} {most:>5.1} {moving:>7.1} {most_moving:>5.1} {added:>5.1} {most_added:>4.1}")
 }
 
 /// What breaks in clips, most often first.

@@ -42,6 +42,8 @@ mod export_real;
 mod ground;
 /// Files that are broken, malicious or of another kind.
 mod hostile;
+/// How few keys a clip needs, its bytes, and readers that drop tangents.
+mod keys;
 /// Balls, boxes, and how long a recovery takes.
 mod lanes;
 /// Legs of any length.

@@ -427,7 +427,7 @@ impl FootPath {
         pivot.y += swing.clearance * bump(u + 0.2 * u * (1.0 - u));
         pivot.y += swing.raise.at(u);
         // The toes straighten over most of the swing, and are flat again for a strike with the ball.
-        let mut straight = smooth3(u / 0.85);
+        let mut straight = smooth3(u / 0.8);
         if swing.strike >= 0.0 {
             // A foot that lands with its heel as high as it left hardly straightens them.
             straight *= (1.0 - smooth3((u - 0.4) / 0.6)) * (1.0 - swing.strike / swing.peak.max(swing.strike + 1e-9));

@@ -14,9 +14,11 @@ pub mod contacts;
 pub mod feet;
 mod feet_based;
 pub mod footing;
+mod key_times;
 pub mod keys;
 mod knees;
 mod leg_chain;
+mod leverage;
 mod looped;
 pub mod perform;
 pub mod props;
@@ -25,6 +27,7 @@ mod reach;
 mod report;
 pub mod retargeted;
 pub mod root_motion;
+mod spline;
 mod swing;
 pub mod throws;
 pub mod timeline;
@@ -159,7 +162,9 @@ fn bake_by(rig: &Rig, scenario: &Scenario, options: &BakeOptions, drive: Drive) 
             root_motion,
         };
         let height = |time: f64| interpolated(&heights, timeline.dt, time);
-        keys::keyed_clip_on(&input, &|time| timeline.terrain.turn(time), &height)
+        // A captured base trembles between its frames: curves through them would show it as kicks.
+        let keyed = if timeline.over.is_some() { keys::straight_clip_on } else { keys::keyed_clip_on };
+        keyed(&input, &|time| timeline.terrain.turn(time), &height)
     };
     let mut clip = keyed(options.root);
     if let Some(over) = &performance.timeline.over {

@@ -3,7 +3,7 @@
 //! stepper run -> foot curves and upper-body springs -> poses -> reach envelope and balance filter, a few times over.
 //! Scenario space, SI. What comes out is a [`Timeline`] that gives the pose at any time; keys are made elsewhere.
 
-use super::base::{Base, Over};
+use super::base::{Base, Over, over::whole};
 use super::carried::{self, Carried};
 use super::contacts::{self, FootContact};
 use super::ragdoll::{self, Drive};
@@ -34,7 +34,7 @@ const EASE_PASSES: usize = 10;
 /// Passes until which recoveries take more care of sudden legs; walks do until the last but one.
 const CARE_PASSES: usize = 8;
 /// s, in which a walk that is a base clip's is left at first and come back to at last.
-const ENDS: f64 = 0.4;
+const ENDS: f64 = 0.25;
 /// Damping of the first passes and of the last.
 const DAMPING: [f64; 2] = [0.002, 0.012];
 /// Passes in which the feet still adapt their roll to the ankles.
@@ -84,7 +84,7 @@ pub fn perform_over(
     let anatomy = Anatomy::new(body);
     let mut over = base.map(|base| Over::new(base, body, &anatomy, scenario)).transpose()?;
     let physique = stand::physique(body, &anatomy);
-    let physique = if let Some(Over::Stand(stood)) = &over { stood.physique(&physique) } else { physique };
+    let physique = over.as_ref().map_or(physique, |over| over.physique(&physique));
     let (carried, loads) = carried::carried(body, &anatomy, scenario);
     let options = SimulateOptions {
         duration: scenario.duration,
@@ -98,7 +98,7 @@ pub fn perform_over(
     let mut trace = match &over {
         Some(Over::Walk(walked)) => {
             script.walk = vec![walked.lane()];
-            let from = pushes.iter().map(|(push, _)| push.start).fold(scenario.duration, f64::min);
+            let from = pushes.iter().map(|(push, _)| push.start).fold(whole(scenario, options.dt), f64::min);
             walked.walk_on(from, &options, &pushes, &|options, pushes| {
                 run(body, &anatomy, &physique, &script, options, pushes)
             })
@@ -159,12 +159,12 @@ pub fn perform_over(
         pushes.sort_by(|a, b| a.start.total_cmp(&b.start));
     }
     let scale = (physique.com_height / 0.96).sqrt();
-    let count = ((scenario.duration / trace.dt).round() as usize + 1).min(trace.ticks.len());
+    let count = ((whole(scenario, trace.dt) / trace.dt).round() as usize + 1).min(trace.ticks.len());
     let ticks = &trace.ticks[..count];
     let terrain = Terrain::new(&scenario.ground);
     let taken_up = carried.iter().filter_map(Carried::begins).fold(f64::INFINITY, f64::min);
     let still_until = match &over {
-        Some(Over::Walk(_)) => pushes.iter().map(|push| push.start).fold(scenario.duration, f64::min),
+        Some(Over::Walk(_)) => pushes.iter().map(|push| push.start).fold(whole(scenario, trace.dt), f64::min),
         _ => still_until(scenario, &pushes, taken_up),
     };
     // What the end cuts off is flown as far as it goes; who falls does not land.
@@ -268,9 +268,14 @@ pub fn perform_over(
     reach::lower_into_reach(&mut timeline, &solved, scale, &care, damping(PASSES));
     if home {
         // Both ends are the base clip's.
-        for (index, lowering) in timeline.lowering.iter_mut().enumerate() {
-            let time = index as f64 * timeline.dt;
-            *lowering *= if walks { smooth3(time / ENDS) * smooth3((end - time) / ENDS) } else { left[index] };
+        let held = |index: usize| {
+            let time = index as f64 * trace.dt;
+            if walks { smooth3(time / ENDS) * smooth3((end - time) / ENDS) } else { left[index] }
+        };
+        timeline.lowering.iter_mut().enumerate().for_each(|(index, lowering)| *lowering *= held(index));
+        if walks {
+            let turned = timeline.pelvis.iter_mut().flat_map(|series| series.iter_mut().enumerate());
+            turned.for_each(|(index, turn)| *turn *= held(index));
         }
     }
     let mut lost = trace.lost;

@@ -65,10 +65,12 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
         let lost = performance.timeline.stands();
         plausibility.notes.push(format!("measured until balance is lost at {lost:.2} s"));
     }
-    let base = performance.timeline.over.as_ref().zip(poses.first().zip(poses.last())).map(|(over, ends)| {
-        let (first_deg, first_mm) = base::error(body, ends.0, &over.frame(0.0).pose);
-        let end = (poses.len() - 1) as f64 / hz;
-        let (last_deg, last_mm) = base::error(body, ends.1, &over.frame(end).pose);
+    let base = performance.timeline.over.as_ref().map(|over| {
+        // A base clip is met at the very last key, which may be between two samples.
+        let mut sampler = input.rig.sampler(input.clip);
+        let mut off = |time: f64| base::error(body, &sampler.sample(time).pose(), &over.frame(time).pose);
+        let end = if falls { (poses.len() - 1) as f64 / hz } else { performance.timeline.duration() };
+        let ((first_deg, first_mm), (last_deg, last_mm)) = (off(0.0), off(end));
         BaseReport { clip: over.base().name.clone(), first_deg, first_mm, last_deg, last_mm }
     });
     let footless = footless(body, findings.as_ref());

@@ -5,18 +5,23 @@
 //! character, where the next clip goes on. It rises and falls with the ground that carries the body, on stairs as on a
 //! ramp; what the body does over that stays with the hips. In place only the horizontal travel is left out.
 
+use super::spline;
+use super::track::CORNER;
 use crate::model::BodyPose;
 use crate::rig::Rig;
-use crate::rig::animate::{RootCarrier, RootMove};
-use glam::{DQuat, DVec3};
+use crate::rig::animate::{RootCarrier, RootMove, hermite, slerp};
+use glam::{DQuat, DVec3, DVec4};
 use std::f64::consts::{PI, TAU};
 
 /// s, standard deviation of the filter on the root's path.
 const SMOOTHING: f64 = 0.2;
-/// m, how far straight pieces of the root's path may be from it.
-const KNOT_PLACE: f64 = 1.0e-3;
-/// rad, the same for its yaw: 0.1 degrees.
-const KNOT_YAW: f64 = 0.1 * PI / 180.0;
+/// m, how far the splines of the root's path may be from it.
+const KNOT_PLACE: f64 = 1.0e-2;
+/// rad, the same for its yaw: 1 degree.
+const KNOT_YAW: f64 = 1.0 * PI / 180.0;
+
+/// s: slopes are taken over that, to either side.
+const SLOPE: f64 = 1.0e-3;
 
 /// Where the travel goes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -96,19 +101,30 @@ fn is_root_name(name: &str) -> bool {
     )
 }
 
-/// The root's path, sampled evenly and joined by cubics; or by straight lines between knots.
+/// The root's path, sampled evenly and joined by cubics; or by the splines of its keys.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RootCurve {
     dt: f64,
-    samples: Vec<[f64; 4]>,      // x, z (m), yaw (rad), y (m)
-    knots: Vec<(f64, [f64; 4])>, // s; empty until straightened
+    samples: Vec<[f64; 4]>, // x, z (m), yaw (rad), y (m)
+    knots: Vec<Knot>,       // empty until keyed
+    straight: bool,         // joined by lines
+}
+
+/// A key of the root: values and slopes as a reader has them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Knot {
+    time: f64,
+    place: [DVec4; 2], // m, then m/s
+    turn: [DVec4; 2],  // the quaternion's parts, then theirs a second
 }
 
 impl RootCurve {
     /// The path for poses `dt` s apart, the first at time 0, over ground that is that high (m) under them (0 where it is not
     /// said). Without `turning` the yaw stays 0.
     pub fn follow(poses: &[BodyPose], heights: &[f64], dt: f64, turning: bool) -> RootCurve {
-        let Some(first) = poses.first() else { return RootCurve { dt, samples: vec![[0.0; 4]], knots: Vec::new() } };
+        let Some(first) = poses.first() else {
+            return RootCurve { dt, samples: vec![[0.0; 4]], knots: Vec::new(), straight: false };
+        };
         let mut yaw = 0.0;
         let mut samples = Vec::with_capacity(poses.len());
         for (index, pose) in poses.iter().enumerate() {
@@ -120,43 +136,77 @@ impl RootCurve {
             let rise = heights.get(index).map_or(0.0, |height| height - heights[0]);
             samples.push([place.x, place.z, yaw, rise]);
         }
-        RootCurve { dt, samples: smooth(&samples, SMOOTHING / dt.max(1e-6)), knots: Vec::new() }
+        RootCurve { dt, samples: smooth(&samples, SMOOTHING / dt.max(1e-6)), knots: Vec::new(), straight: false }
     }
 
-    /// Replaces the path by straight lines between as few of `times` (s, rising) as follow it closely. What the root then
+    /// Replaces the path by splines (or straight lines) between as few of `times` (s, rising) as follow it closely. What the root then
     /// does between its keys is known exactly, and the hips make up for it.
-    pub fn straighten(&mut self, times: &[f64]) {
+    pub fn key(&mut self, times: &[f64], straight: bool) {
+        self.straight = straight;
+        let knots: Vec<Knot> = times.iter().map(|time| self.knot_at(*time)).collect();
         let path: Vec<[f64; 4]> = times.iter().map(|time| self.smooth_at(*time)).collect();
-        let mut keep = vec![false; times.len()];
-        let mut open = vec![(0, times.len().saturating_sub(1))];
-        while let Some((from, to)) = open.pop().filter(|(from, to)| *from < path.len() && *to < path.len()) {
-            (keep[from], keep[to]) = (true, true);
-            let off = |at: usize| {
-                let share = (times[at] - times[from]) / (times[to] - times[from]);
-                let off = [0, 1, 2, 3]
-                    .map(|axis| path[at][axis] - path[from][axis] - share * (path[to][axis] - path[from][axis]));
-                (off[0].hypot(off[1]).hypot(off[3]) / KNOT_PLACE).max(off[2].abs() / KNOT_YAW)
-            };
-            let worst = (from + 1..to).max_by(|a, b| off(*a).total_cmp(&off(*b)));
-            if let Some(worst) = worst.filter(|worst| off(*worst) > 1.0) {
-                open.extend([(from, worst), (worst, to)]);
+        let spans = |from: usize, to: usize| {
+            (from + 1..to).all(|at| {
+                let now = between(&knots[from], &knots[to], times[at], straight);
+                let [x, z, yaw, y] = path[at];
+                let turned = now.rotation * DQuat::from_rotation_y(-yaw);
+                now.translation.distance(DVec3::new(x, y, z)) <= KNOT_PLACE && twist(turned).sin().abs() <= KNOT_YAW
+            })
+        };
+        let mut kept: Vec<Knot> = knots.first().copied().into_iter().collect();
+        let mut from = 0;
+        while from + 1 < times.len() {
+            let mut to = from + 1;
+            while to + 1 < times.len() && spans(from, to + 1) {
+                to += 1;
             }
+            kept.push(knots[to]);
+            from = to;
         }
-        self.knots = (0..times.len()).filter(|at| keep[*at]).map(|at| (times[at], path[at])).collect();
+        let clock: Vec<f64> = kept.iter().map(|knot| knot.time).collect();
+        let evened = |part: fn(&Knot) -> [DVec4; 2]| {
+            let values: Vec<DVec4> = kept.iter().map(|knot| part(knot)[0]).collect();
+            let ends = [kept.first(), kept.last()].map(|knot| knot.map_or(DVec4::ZERO, |knot| part(knot)[1]));
+            let ends = ends.map(|slope| if slope.length() < CORNER { DVec4::ZERO } else { slope });
+            spline::slopes(&clock, &values, ends)
+        };
+        let (places, turns) = (evened(|knot| knot.place), evened(|knot| knot.turn));
+        for ((knot, place), turn) in kept.iter_mut().zip(places).zip(turns) {
+            (knot.place[1], knot.turn[1]) = (place, turn);
+        }
+        self.knots = kept;
+    }
+
+    /// Whether it has a key at `time` (s).
+    pub fn has_knot(&self, time: f64) -> bool {
+        self.knots.iter().any(|knot| knot.time == time)
     }
 
     /// Where the root is at `time` (s), from rest.
     pub fn at(&self, time: f64) -> RootMove {
-        let next = self.knots.partition_point(|(knot, _)| *knot <= time);
-        let [x, z, yaw, y] = match (self.knots.get(next.wrapping_sub(1)), self.knots.get(next)) {
-            (Some((earlier, from)), Some((later, to))) => {
-                let share = (time - earlier) / (later - earlier);
-                [0, 1, 2, 3].map(|axis| from[axis] + share * (to[axis] - from[axis]))
+        let next = self.knots.partition_point(|knot| knot.time <= time);
+        match (self.knots.get(next.wrapping_sub(1)), self.knots.get(next)) {
+            (Some(earlier), Some(later)) => between(earlier, later, time, self.straight),
+            (Some(only), None) | (None, Some(only)) => between(only, only, time, self.straight),
+            (None, None) => {
+                let [x, z, yaw, y] = self.smooth_at(time);
+                RootMove { rotation: DQuat::from_rotation_y(yaw), translation: DVec3::new(x, y, z) }
             }
-            (Some((_, only)), None) | (None, Some((_, only))) => *only,
-            (None, None) => self.smooth_at(time),
-        };
-        RootMove { rotation: DQuat::from_rotation_y(yaw), translation: DVec3::new(x, y, z) }
+        }
+    }
+
+    fn knot_at(&self, time: f64) -> Knot {
+        let end = self.dt * (self.samples.len() - 1) as f64;
+        let [early, late] = [(time - SLOPE).max(0.0), (time + SLOPE).min(end.max(SLOPE))];
+        let (now, before, after) = (self.smooth_at(time), self.smooth_at(early), self.smooth_at(late));
+        let [vx, vz, spin, vy] = [0, 1, 2, 3].map(|axis| (after[axis] - before[axis]) / (late - early).max(SLOPE));
+        let [x, z, yaw, y] = now;
+        let (sine, cosine) = (yaw / 2.0).sin_cos();
+        Knot {
+            time,
+            place: [DVec4::new(x, y, z, 0.0), DVec4::new(vx, vy, vz, 0.0)],
+            turn: [DVec4::new(0.0, sine, 0.0, cosine), DVec4::new(0.0, cosine, 0.0, -sine) * (spin / 2.0)],
+        }
     }
 
     fn smooth_at(&self, time: f64) -> [f64; 4] {
@@ -177,6 +227,19 @@ impl RootCurve {
         };
         [0, 1, 2, 3].map(|axis| cubic([-1, 0, 1, 2].map(|offset| sample(offset, axis)), share))
     }
+}
+
+/// As a reader joins two keys.
+fn between(from: &Knot, to: &Knot, time: f64, straight: bool) -> RootMove {
+    let seconds = to.time - from.time;
+    let share = if seconds > 0.0 { ((time - from.time) / seconds).clamp(0.0, 1.0) } else { 0.0 };
+    if straight {
+        let turn = slerp(DQuat::from_vec4(from.turn[0]), DQuat::from_vec4(to.turn[0]), share);
+        return RootMove { rotation: turn, translation: from.place[0].lerp(to.place[0], share).truncate() };
+    }
+    let place = hermite([from.place[0], from.place[1], to.place[1], to.place[0]], seconds, share);
+    let turn = hermite([from.turn[0], from.turn[1], to.turn[1], to.turn[0]], seconds, share);
+    RootMove { rotation: DQuat::from_vec4(turn.try_normalize().unwrap_or(DVec4::W)), translation: place.truncate() }
 }
 
 /// The turn about +Y in a rotation, rad.

@@ -5,11 +5,12 @@
 
 use super::combine;
 use super::name::{self, Template, Word};
+use super::paths::{get, parent, passes, set, within};
 use crate::bake::safe_letters;
 use crate::model::Scenario;
 use crate::model::scenario_errors::Fault;
 use crate::model::scenario_text;
-use crate::model::sweep::{Choice, Condition, Input, Skip, Sweep, Test};
+use crate::model::sweep::{Choice, Condition, Input, Skip, Sweep};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use toml::{Table, Value};
@@ -325,7 +326,10 @@ impl Faults {
         }
         let said = said();
         for wrong in faults {
-            let own = said.set.iter().find(|(path, ..)| within(&wrong.path, path) || within(path, &wrong.path));
+            let touched = |(path, ..): &&(&str, &str, String)| within(&wrong.path, path) || within(path, &wrong.path);
+            // Else a value beside it: a start too late for its duration is told of the duration.
+            let beside = |(path, ..): &&(&str, &str, String)| parent(path).is_some_and(|all| within(&wrong.path, all));
+            let own = said.set.iter().find(touched).or_else(|| said.set.iter().find(beside));
             let all: Vec<&str> = said.set.iter().map(|(.., with)| with.as_str()).collect();
             let (place, with) = match own {
                 Some((_, place, with)) => (*place, with.clone()),
@@ -356,77 +360,6 @@ fn named_apart(inputs: &[Input], what: &str, faults: &mut Vec<Fault>) {
             let message = format!("two {what} are called {:?}: {} and {}", input.name, earlier.file, input.file);
             faults.push(fault(&input.path, message, "name one of them: { name = \"hero2\", file = \"...\" }"));
         }
-    }
-}
-
-/// Whether one path is the other or lies in it.
-fn within(inner: &str, outer: &str) -> bool {
-    inner.strip_prefix(outer).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
-}
-
-/// The value at a path.
-fn get<'t>(table: &'t Table, path: &str) -> Option<&'t Value> {
-    let mut keys = path.split('.');
-    let mut value = table.get(keys.next()?)?;
-    for key in keys {
-        value = match value {
-            Value::Table(table) => table.get(key)?,
-            Value::Array(list) => list.get(key.parse::<usize>().ok()?)?,
-            _ => return None,
-        };
-    }
-    Some(value)
-}
-
-/// Sets the value at a path; tables on the way are made, entries of lanes are not.
-fn set(table: &mut Table, path: &str, value: Value) -> Result<(), String> {
-    let keys: Vec<&str> = path.split('.').collect();
-    if keys.iter().any(|key| key.is_empty()) {
-        return Err(format!("`{path}` is no path"));
-    }
-    let mut so_far = keys[0].to_owned();
-    let mut at = if keys.len() == 1 {
-        table.insert(keys[0].to_owned(), value);
-        return Ok(());
-    } else if keys[1].parse::<usize>().is_ok() {
-        table.get_mut(keys[0]).ok_or_else(|| format!("there is no `{so_far}` in it"))?
-    } else {
-        table.entry(keys[0]).or_insert_with(|| Value::Table(Table::new()))
-    };
-    for (index, key) in keys.iter().enumerate().skip(1) {
-        let last = index + 1 == keys.len();
-        at = match at {
-            Value::Array(list) => {
-                let count = list.len();
-                let entry = key.parse::<usize>().ok().and_then(|index| list.get_mut(index));
-                entry.ok_or_else(|| format!("`{so_far}` has {count} entries, counted from 0: there is no `{key}`"))?
-            }
-            Value::Table(table) => table.entry(*key).or_insert_with(|| match last {
-                true => Value::Integer(0),
-                false => Value::Table(Table::new()),
-            }),
-            _ => return Err(format!("`{so_far}` is one value: there is no `{key}` in it")),
-        };
-        so_far = format!("{so_far}.{key}");
-    }
-    *at = value;
-    Ok(())
-}
-
-fn passes(test: &Test, value: &Value, name: Option<&str>) -> bool {
-    let number = |value: &Value| match value {
-        Value::Integer(number) => Some(*number as f64),
-        Value::Float(number) => Some(*number),
-        _ => None,
-    };
-    match test {
-        Test::OneOf(values) => values.iter().any(|wanted| {
-            wanted == value
-                || number(wanted).is_some_and(|wanted| number(value) == Some(wanted))
-                || wanted.as_str().is_some_and(|wanted| name == Some(wanted))
-        }),
-        Test::Within { above, below } => number(value)
-            .is_some_and(|value| above.is_none_or(|above| value > above) && below.is_none_or(|below| value < below)),
     }
 }
 

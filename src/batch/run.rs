@@ -7,6 +7,7 @@
 use super::record::{Measured, Piece, Record, hash, measured};
 use super::{Plan, Variation};
 use crate::bake::{self, BakeOptions, Baked, Base, Drive, Helped, RootMotion};
+use crate::export::engine::Engine;
 use crate::export::{self, Exported, Form};
 use crate::model::Scenario;
 use crate::model::sweep::BakeSettings;
@@ -139,7 +140,7 @@ fn make(
     let settings = &plan.sweep.bake;
     let baked =
         bake::bake(&rig, &scenario, &options(settings, &variation.name, base)).map_err(|error| error.to_string())?;
-    let form = Form { vrma: settings.vrma, props: settings.props, root_joint: false };
+    let form = Form { vrma: settings.vrma, props: settings.props, root_joint: root_joint(settings) };
     let exported = export::baked(&rig, &baked, form).map_err(|error| error.to_string())?;
     Ok(kept(&rig, baked, exported, settings, wanted))
 }
@@ -160,6 +161,16 @@ fn kept(rig: &Rig, baked: Baked, exported: Exported, settings: &BakeSettings, wa
         None
     };
     (files, Record { identity: String::new(), files: Vec::new(), measured, signature, cell, piece })
+}
+
+/// Whether an engine wants the root as a joint of the skins.
+pub fn root_joint(settings: &BakeSettings) -> bool {
+    settings.root == "root" && engines(settings).any(|engine| engine.root_is_joint)
+}
+
+/// Those whose helper is wanted.
+pub fn engines(settings: &BakeSettings) -> impl Iterator<Item = &'static Engine> {
+    settings.engines.iter().filter_map(|name| Engine::named(name))
 }
 
 /// As the flags of `surefoot bake`.
@@ -184,5 +195,16 @@ fn options(settings: &BakeSettings, name: &str, base: Option<Arc<Base>>) -> Bake
         },
         base,
         looped: settings.looped,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::export::engine::ENGINES;
+    use crate::model::sweep;
+
+    #[test]
+    fn a_sweep_knows_every_engine_by_name() {
+        assert_eq!(sweep::ENGINES, ENGINES.each_ref().map(|engine| engine.name));
     }
 }

@@ -8,7 +8,7 @@ use super::batch_out::{self, Results};
 use super::batch_place::{Folder, RigFile, rig_file};
 use super::exit_code::{Exit, Failure};
 use super::{interrupt, resolve, say, tell};
-use crate::batch::run::{Ended, Place, Wanted, run as bake_all};
+use crate::batch::run::{Ended, Place, Wanted, engines, run as bake_all};
 use crate::batch::{Plan, Variation, plan};
 use crate::rig::Rig;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -19,6 +19,8 @@ use std::path::{Path, PathBuf};
 const EFFORT: [(&str, f64); 3] = [("stepper", 0.035), ("ragdoll", 0.11), ("auto", 0.15)];
 /// Bytes that a second of motion adds to a file at 30 fps; rough.
 const BYTES_A_SECOND: f64 = 14e3;
+/// Bytes of a record with its small picture; rough.
+const RECORD_BYTES: f64 = 65e3;
 /// Failures that are told one by one.
 const MOST_TOLD: usize = 10;
 
@@ -29,6 +31,9 @@ pub fn run(args: &BatchArgs) -> Result<Exit, Failure> {
         tell(&format!("warning: {}: {note}", args.sweep.display()));
     }
     check_flags(args, &plan)?;
+    for engine in engines(&plan.sweep.bake).filter(|engine| !engine.takes(plan.sweep.bake.root)) {
+        tell(&format!("warning: {} takes root motion from {}", engine.title, engine.root));
+    }
     let (rigs, first) = rigs(&plan, &args.sweep)?;
     let jobs = args.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
     if args.dry_run {
@@ -92,11 +97,12 @@ pub fn run(args: &BatchArgs) -> Result<Exit, Failure> {
         } else {
             String::new()
         };
-        return Err(Failure::failed(format!(
-            "{failed} of {} variations failed; the rest is done\n{}{more}",
-            endings.len(),
-            first.join("\n")
-        )));
+        let what =
+            format!("{failed} of {} variations failed; the rest is done\n{}{more}", endings.len(), first.join("\n"));
+        if !args.tolerant {
+            return Err(Failure::failed(what));
+        }
+        tell(&format!("warning: {what}"));
     }
     Ok(Exit::Done)
 }
@@ -177,7 +183,8 @@ fn effort(plan: &Plan, rigs: &[RigFile], open: &[&Variation]) -> (f64, f64) {
     let each = plan.seconds / plan.variations.len().max(1) as f64;
     let rate = EFFORT.iter().find(|(drive, _)| *drive == bake.drive).map_or(0.1, |(_, rate)| *rate);
     let keys = each * BYTES_A_SECOND * bake.fps / 30.0;
-    let bytes = open.iter().map(|one| keys + if bake.vrma { 0.0 } else { rigs[one.rig].size as f64 }).sum();
+    let bytes =
+        open.iter().map(|one| RECORD_BYTES + keys + if bake.vrma { 0.0 } else { rigs[one.rig].size as f64 }).sum();
     (open.len() as f64 * (0.03 + each * rate), bytes)
 }
 

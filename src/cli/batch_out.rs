@@ -8,7 +8,7 @@ use super::writer::{self, Output};
 use crate::batch::manifest::Table;
 use crate::batch::merged::{self, MOST_CLIPS};
 use crate::batch::pictures;
-use crate::batch::run::{Ended, Place};
+use crate::batch::run::{Ended, Place, engines, root_joint};
 use crate::batch::{Plan, Variation};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -50,6 +50,10 @@ pub fn finish(results: &Results) -> Result<(), Failure> {
     if results.args.scenarios {
         places.push(("scenarios", scenarios(results)?));
     }
+    let helpers = helpers(results)?;
+    if !helpers.is_empty() {
+        places.push(("helpers", helpers));
+    }
     let record = |variation: &Variation| results.folder.record(variation);
     let alike = pictures::alike(results.plan, &record);
     let table = Table { plan: results.plan, endings: results.endings, alike: &alike, merged: results.args.merge };
@@ -90,7 +94,8 @@ fn merge(results: &Results) -> Result<Vec<PathBuf>, Failure> {
         for (part, clips) in clips.chunks(MOST_CLIPS).enumerate() {
             let records = clips.iter().filter_map(|one| results.folder.record(one)).filter_map(|record| record.piece);
             let loaded = results.folder.rig(rig).map_err(Failure::failed)?;
-            let merged = merged::merged(&loaded, records).map_err(|error| Failure::failed(error.to_string()))?;
+            let merged = merged::merged(&loaded, records, root_joint(&results.plan.sweep.bake))
+                .map_err(|error| Failure::failed(error.to_string()))?;
             let name = merged::file_name(&input.name, part);
             let outputs = vec![
                 Output { path: results.output.join(format!("{name}.glb")), bytes: merged.file },
@@ -103,7 +108,21 @@ fn merge(results: &Results) -> Result<Vec<PathBuf>, Failure> {
     Ok(written)
 }
 
-/// The scenario of each variation, beside its clip.
+/// The helpers of the engines that were asked for, once where clips are.
+fn helpers(results: &Results) -> Result<Vec<PathBuf>, Failure> {
+    let folders: Vec<PathBuf> = match results.args.merge {
+        true => vec![results.output.to_owned()],
+        false => results.plan.sweep.rigs.iter().map(|rig| results.output.join(&rig.name)).collect(),
+    };
+    let mut outputs = Vec::new();
+    for folder in folders {
+        let own = engines(&results.plan.sweep.bake);
+        outputs.extend(own.map(|engine| Output { path: folder.join(engine.file), bytes: engine.helper() }));
+    }
+    put(results, outputs)
+}
+
+/// The scenario of each variation, in one folder.
 fn scenarios(results: &Results) -> Result<Vec<PathBuf>, Failure> {
     let folder = results.output.join("scenarios");
     for variation in &results.plan.variations {

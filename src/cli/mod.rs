@@ -16,6 +16,7 @@ pub mod batch_place;
 pub mod clip_files;
 pub mod correct;
 pub mod exit_code;
+mod forms;
 pub mod glob;
 pub mod inspect;
 pub mod interrupt;

@@ -71,8 +71,9 @@ pub fn apply(
         };
         let (mut back, kept): (Vec<Tried>, Vec<Tried>) = tried.into_iter().partition(bad);
         tried = kept;
-        // A new flag that is nobody's neighbour: the last repair has to go.
-        if back.is_empty() && (!strange.is_empty() || cost(&found.flags) > cost(&before)) {
+        // A new flag that is nobody's neighbour, or a new one of the whole clip: the last repair has to go.
+        let whole = found.clip_flags.iter().any(|flag| known.clip_flags.iter().all(|other| other.rule != flag.rule));
+        if back.is_empty() && (whole || !strange.is_empty() || cost(&found.flags) > cost(&before)) {
             back.extend(tried.pop());
         }
         if back.is_empty() {

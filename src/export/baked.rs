@@ -40,12 +40,16 @@ pub fn baked(rig: &Rig, baked: &Baked, form: Form) -> Result<Exported, ExportErr
     }
     let clips = [(baked.clip.clone(), baked.report.clone())];
     let props = if form.props { &baked.props[..] } else { &[] };
-    let carrier = form.root_joint.then(|| match RootMotion::Root.carrier(rig) {
-        RootCarrier::Node(node) => Target::Node(node),
-        _ => Target::NewRoot,
-    });
-    let file = glb_with_root(rig, &clips, props, carrier)?;
+    let file = glb_with_root(rig, &clips, props, form.root_joint.then(|| root_target(rig)))?;
     let name = file.names.into_iter().next().unwrap_or_else(|| baked.clip.name.clone());
     let events = events_json([(name.as_str(), &baked.report)])?;
     Ok(Exported { file: file.bytes, events, name, changes: file.changes })
+}
+
+/// What carries root motion under `--root root`: a node of the rig, or the one that is put over its scene.
+pub fn root_target(rig: &Rig) -> Target {
+    match RootMotion::Root.carrier(rig) {
+        RootCarrier::Node(node) => Target::Node(node),
+        _ => Target::NewRoot,
+    }
 }

@@ -152,9 +152,13 @@ impl Writer {
         first: usize,
     ) -> Map<String, Value> {
         let (mut channels, mut samplers) = (Vec::new(), Vec::new());
-        let mut add = |node: usize, path: &str, input: usize, output: usize, interpolation: &str| {
+        let mut add = |node: usize, path: &str, input: usize, output: usize, interpolation: Option<&str>| {
             channels.push(json!({ "sampler": samplers.len(), "target": { "node": node, "path": path } }));
-            samplers.push(json!({ "input": input, "interpolation": interpolation, "output": output }));
+            let mut sampler = json!({ "input": input, "output": output });
+            if let Some(interpolation) = interpolation {
+                sampler["interpolation"] = interpolation.into();
+            }
+            samplers.push(sampler);
         };
         for channel in &clip.channels {
             let node = match channel.target {
@@ -169,14 +173,18 @@ impl Writer {
             };
             let path = channel.values.path();
             let input = first + self.accessor("SCALAR", &channel.times, 1);
-            let output = first + self.accessor(kind, &values, channel.times.len());
-            let interpolation = if channel.interpolation == Interpolation::Step { "STEP" } else { "LINEAR" };
+            let output = first + self.accessor(kind, &values, channel.values.count());
+            let interpolation = match channel.interpolation {
+                Interpolation::Linear => None, // what glTF takes where none is said
+                Interpolation::Cubic => Some("CUBICSPLINE"),
+                Interpolation::Step => Some("STEP"),
+            };
             add(node, path, input, output, interpolation);
         }
         for (node, channel) in props.iter().flat_map(|(node, channels)| channels.iter().map(move |one| (*node, one))) {
             let input = first + self.accessor("SCALAR", &channel.times, 1);
             let output = first + self.accessor(channel.kind, &channel.values, channel.times.len());
-            add(node, channel.path, input, output, "LINEAR");
+            add(node, channel.path, input, output, None);
         }
         Map::from_iter([("channels".to_owned(), channels.into()), ("samplers".to_owned(), samplers.into())])
     }
@@ -219,13 +227,15 @@ fn check(rig: &Rig, clip: &Clip) -> Result<(), ExportError> {
         if !seen.insert((channel.target, channel.values.path())) {
             return Err(fault("two channels drive the same property"));
         }
-        if channel.times.is_empty() || values.len() != channel.times.len() {
+        if !channel.is_whole() {
             return Err(fault("there must be as many values as times, and one at least"));
         }
-        for (time, value) in channel.times.iter().zip(&values) {
-            if !time.is_finite() || value.iter().any(|part| !part.is_finite()) {
+        let stride = channel.interpolation.stride();
+        for (time, key) in channel.times.iter().zip(values.chunks_exact(stride)) {
+            if !time.is_finite() || key.iter().any(|value| value.iter().any(|part| !part.is_finite())) {
                 return Err(ExportError::NotFinite { clip: clip.name.clone(), node, time: f64::from(*time) });
             }
+            let value = key[stride / 2];
             if rotates && (value.iter().map(|part| part * part).sum::<f32>() - 1.0).abs() > 1e-3 {
                 return Err(fault("a rotation is no unit quaternion"));
             }

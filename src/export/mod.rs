@@ -13,7 +13,7 @@ mod tpose;
 pub mod vrma;
 
 pub use amend::{Amended, amend};
-pub use baked::{Exported, Form, baked};
+pub use baked::{Exported, Form, baked, root_target};
 pub use events::events_json;
 pub use glb::{ExportedGlb, glb, glb_with_props, glb_with_root};
 pub use tpose::t_pose;

@@ -10,7 +10,7 @@ use super::ExportError;
 use super::events::report_json;
 use super::glb::container;
 use super::tpose::{is_vrm, t_pose};
-use crate::model::{Clip, ClipReport, KeyValues, Role};
+use crate::model::{Clip, ClipReport, Interpolation, KeyValues, Role};
 use crate::rig::Rig;
 use crate::rig::animate::{chord, slerp};
 use glam::{DQuat, DVec3};
@@ -133,8 +133,10 @@ pub fn vrma(rig: &Rig, clip: &Clip, report: &ClipReport) -> Result<ExportedVrma,
 /// Every time at which the clip has a key or a frame, and its end: straight lines need them where the clip's own keys are joined by curves.
 fn times(clip: &Clip) -> Vec<f32> {
     let mut times: Vec<f32> = clip.channels.iter().flat_map(|channel| channel.times.iter().copied()).collect();
-    let frames = (clip.duration * clip.fps).floor().clamp(0.0, 1e6) as usize;
-    times.extend((0..=frames).map(|frame| (frame as f64 / clip.fps.max(1e-6)) as f32));
+    let curved = clip.channels.iter().any(|channel| channel.interpolation == Interpolation::Cubic);
+    let fps = clip.fps.max(1e-6) * if curved { 3.0 } else { 1.0 };
+    let frames = (clip.duration * fps).floor().clamp(0.0, 1e6) as usize;
+    times.extend((0..=frames).map(|frame| (frame as f64 / fps) as f32));
     times.extend([0.0, clip.duration as f32]);
     times.retain(|time| *time >= 0.0);
     times.sort_by(f32::total_cmp);

@@ -24,7 +24,7 @@ pub struct Channel {
     pub target: Target,
     /// s, strictly rising, from 0.
     pub times: Vec<f32>,
-    /// As many as there are times.
+    /// As many as there are times; of a cubic three a time: tangent in, value, tangent out (units a second).
     pub values: KeyValues,
     /// How values join between keys.
     pub interpolation: Interpolation,
@@ -48,7 +48,7 @@ pub enum Target {
 pub enum KeyValues {
     /// Local translation.
     Translation(Vec<[f32; 3]>),
-    /// Local rotation, unit quaternions x, y, z, w; neighbours on the same hemisphere.
+    /// Local rotation, unit quaternions x, y, z, w; neighbours on the same hemisphere. A cubic's tangents are of their parts.
     Rotation(Vec<[f32; 4]>),
     /// Local scale: only of legs that a scenario makes longer or shorter, and constant.
     Scale(Vec<[f32; 3]>),
@@ -63,13 +63,37 @@ impl KeyValues {
             KeyValues::Scale(_) => "scale",
         }
     }
+
+    /// How many there are, a cubic's tangents among them.
+    pub fn count(&self) -> usize {
+        match self {
+            KeyValues::Translation(keys) | KeyValues::Scale(keys) => keys.len(),
+            KeyValues::Rotation(keys) => keys.len(),
+        }
+    }
 }
 
-/// glTF interpolation; what Surefoot writes is linear (slerp for rotations) or step.
+impl Channel {
+    /// Whether it has as many values as its times ask for, and a key at least.
+    pub fn is_whole(&self) -> bool {
+        !self.times.is_empty() && self.values.count() == self.times.len() * self.interpolation.stride()
+    }
+}
+
+/// glTF interpolation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Interpolation {
-    /// LINEAR.
+    /// LINEAR, slerp for rotations.
     Linear,
+    /// CUBICSPLINE, of a rotation part by part and made a unit again (glTF 2.0, appendix C).
+    Cubic,
     /// STEP.
     Step,
+}
+
+impl Interpolation {
+    /// Values a key: a cubic has its tangents too.
+    pub fn stride(self) -> usize {
+        if self == Interpolation::Cubic { 3 } else { 1 }
+    }
 }

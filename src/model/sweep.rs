@@ -147,10 +147,24 @@ pub struct BakeSettings {
     pub looped: bool,
     /// VRM animations instead of copies of the rig.
     pub vrma: bool,
+    /// Engines whose helper stands beside the clips, each once, in the order of [`ENGINES`].
+    pub engines: Vec<&'static str>,
 }
+
+/// The engines that there are helpers for.
+pub const ENGINES: [&str; 6] = ["three", "blender", "bevy", "godot", "unity", "unreal"];
 
 impl Default for BakeSettings {
     fn default() -> BakeSettings {
-        BakeSettings { fps: 30.0, root: "root", drive: "auto", assist: None, props: false, looped: false, vrma: false }
+        BakeSettings {
+            fps: 30.0,
+            root: "root",
+            drive: "auto",
+            assist: None,
+            props: false,
+            looped: false,
+            vrma: false,
+            engines: Vec::new(),
+        }
     }
 }

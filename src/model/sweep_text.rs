@@ -5,7 +5,9 @@
 use super::scenario_errors::{Fault, ScenarioErrors, ScenarioSource};
 use super::scenario_reader::Reader;
 use super::scenario_text::{syntax_fault, title_from};
-use super::sweep::{Axis, AxisPath, AxisValues, BakeSettings, Choice, Combine, Condition, Input, Skip, Sweep, Test};
+use super::sweep::{
+    Axis, AxisPath, AxisValues, BakeSettings, Choice, Combine, Condition, ENGINES, Input, Skip, Sweep, Test,
+};
 use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 use toml::{Spanned, Value};
@@ -65,7 +67,7 @@ fn sweep(mut root: Reader<'_, '_>, rules: &mut Rules) -> Sweep {
     let name = root.string("name");
     let mut axes: Vec<(usize, Axis)> = Vec::new();
     if let Some(table) = table_of(&mut root, "vary", rules) {
-        for (key, value) in table {
+        for (key, value) in table.iter() {
             let path = key.get_ref().to_string();
             let place = format!("vary.{path}");
             rules.places.push((place.clone(), value.span()));
@@ -148,13 +150,9 @@ fn stem(file: &str) -> String {
     name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_owned()
 }
 
-fn table_of<'r, 'i>(
-    root: &mut Reader<'r, 'i>,
-    key: &'static str,
-    rules: &mut Rules,
-) -> Option<Vec<(&'r Spanned<std::borrow::Cow<'i, str>>, &'r Spanned<DeValue<'i>>)>> {
+fn table_of<'r, 'i>(root: &mut Reader<'r, 'i>, key: &'static str, rules: &mut Rules) -> Option<&'r DeTable<'i>> {
     match root.peek(key)? {
-        DeValue::Table(table) => Some(table.iter().collect()),
+        DeValue::Table(table) => Some(table),
         _ => {
             rules.fault(key, "this must be a table", &format!("write it under a header of its own: `[{key}]`"));
             None
@@ -203,7 +201,7 @@ fn linked(index: usize, table: &DeTable<'_>, rules: &mut Rules) -> Option<Axis> 
         paths.push(AxisPath { path, place });
     }
     let length = columns[0].len();
-    for (column, path) in columns.iter().zip(&paths).filter(|(column, _)| column.len() != length) {
+    if let Some((column, path)) = columns.iter().zip(&paths).find(|(column, _)| column.len() != length) {
         let message = format!("has {} values, `{}` beside it {length}", column.len(), paths[0].path);
         rules.fault(&path.place, message, "linked values go row by row: give each as many");
         return None;
@@ -372,9 +370,22 @@ fn bake_settings(mut table: Reader<'_, '_>) -> BakeSettings {
         props: table.truth("props").unwrap_or(default.props),
         looped: table.truth("loop").unwrap_or(default.looped),
         vrma: table.choice("format", &[("glb", false), ("vrma", true)]).unwrap_or(default.vrma),
+        engines: engines(&mut table),
     };
     table.finish();
     settings
+}
+
+/// One name or a list of them.
+fn engines(table: &mut Reader<'_, '_>) -> Vec<&'static str> {
+    let named = ENGINES.map(|name| (name, name));
+    let Some(value) = table.peek("engine") else { return Vec::new() };
+    let DeValue::Array(list) = value else { return table.choice("engine", &named).into_iter().collect() };
+    let wanted: Vec<&str> = list.iter().filter_map(|entry| entry.get_ref().as_str()).collect();
+    if wanted.len() != list.len() || wanted.iter().any(|name| !ENGINES.contains(name)) {
+        table.wrong_type("engine", "names of engines", &format!("give some of {}", ENGINES.join(", ")));
+    }
+    ENGINES.into_iter().filter(|name| wanted.contains(name)).collect()
 }
 
 #[cfg(test)]
@@ -448,6 +459,7 @@ duration = [3, 4, 5.5]
             ("scenario = \"s.toml\"\n[[linked]]\nseed = [1, 2]\nduration = [1]\n", "sweep.toml:4:12", "row by row"),
             ("scenario = \"s.toml\"\n[sample]\nseed = 1\n", "sweep.toml:2:1", "no `count`"),
             ("scenario = \"s.toml\"\n[bake]\nfps = 0\n", "sweep.toml:3:7", "1 to 240"),
+            ("scenario = \"s.toml\"\n[bake]\nengine = [\"three\", \"untiy\"]\n", "sweep.toml:3:10", "give some of"),
         ];
         for (text, place, words) in cases {
             let line = only_fault(text);

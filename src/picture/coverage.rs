@@ -6,6 +6,7 @@
 
 use super::coverage_marks as marks;
 use super::coverage_wedges as wedges;
+use super::text::escaped;
 use super::verdict::Verdict;
 use std::fmt::Write;
 
@@ -80,6 +81,10 @@ text{fill:#e7ebf1}
 .k.o{fill:#1a2029}.w{stroke:#11151b}}
 ";
 
+/// What lies over falls and failures.
+const STRIPES: &str = "<defs><pattern id=\"stripes\" width=\"6\" height=\"6\" patternUnits=\"userSpaceOnUse\" \
+    patternTransform=\"rotate(45)\"><rect width=\"1.6\" height=\"6\" fill=\"#fff\" fill-opacity=\".5\"/></pattern></defs>";
+
 /// The text of an SVG file. Points of one rig need not be beside each other; rigs come in the order of their first.
 pub fn coverage(points: &[CoveragePoint], title: &str) -> String {
     let mut rigs: Vec<(&str, Vec<usize>)> = Vec::new();
@@ -97,14 +102,12 @@ pub fn coverage(points: &[CoveragePoint], title: &str) -> String {
     let table = TOP + lines * block + 14.0;
     let height = table + ROW * (rigs.len() as f64 + if rigs.len() > 1 { 3.0 } else { 2.0 }) + 44.0;
     let mut svg = String::new();
+    let size = format!("width=\"{WIDTH:.0}\" height=\"{height:.0}\"");
     let _ = write!(
         svg,
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH:.0} {height:.0}\" width=\"{WIDTH:.0}\" \
-         height=\"{height:.0}\" role=\"img\"><title>{}</title><style>{STYLE}</style>{}\
-         <rect class=\"page\" width=\"{WIDTH:.0}\" height=\"{height:.0}\"/>",
-        escaped(title),
-        "<defs><pattern id=\"stripes\" width=\"6\" height=\"6\" patternUnits=\"userSpaceOnUse\" patternTransform=\"rotate(45)\">\
-         <rect width=\"1.6\" height=\"6\" fill=\"#fff\" fill-opacity=\".5\"/></pattern></defs>"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH:.0} {height:.0}\" {size} role=\"img\">\
+         <title>{}</title><style>{STYLE}</style>{STRIPES}<rect class=\"page\" {size}/>",
+        escaped(title)
     );
     let _ = write!(svg, "<text class=\"h\" x=\"{MARGIN}\" y=\"40\">{}</text>", escaped(&short(title, 84)));
     legend(&mut svg, points);
@@ -322,22 +325,6 @@ fn short(text: &str, most: usize) -> String {
     let head: String = letters[..most.max(3) - tail - 1].iter().collect();
     let tail: String = letters[letters.len() - tail..].iter().collect();
     format!("{head}…{tail}")
-}
-
-/// Text in XML; what XML cannot hold at all is replaced.
-pub(super) fn escaped(text: &str) -> String {
-    let mut safe = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => safe.push_str("&amp;"),
-            '<' => safe.push_str("&lt;"),
-            '>' => safe.push_str("&gt;"),
-            '"' => safe.push_str("&quot;"),
-            letter if letter.is_control() || matches!(letter, '\u{fffe}' | '\u{ffff}') => safe.push('\u{fffd}'),
-            letter => safe.push(letter),
-        }
-    }
-    safe
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! Pushes as single marks around a character, fanned out where several share a place; hollow and joined by a line to the
 //! earlier one where they look like it. px.
 
-use super::coverage::{CoveragePoint, Dial, escaped, plain};
+use super::coverage::{CoveragePoint, Dial, plain};
+use super::text::escaped;
 use super::verdict::Verdict;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};

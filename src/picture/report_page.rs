@@ -5,6 +5,8 @@
 
 pub use super::report_data::{ClipView, clip_json};
 
+use super::text::escaped;
+
 /// Bytes that the clips of a page may take together.
 pub const MOST_BYTES: usize = 9_000_000;
 
@@ -38,23 +40,6 @@ pub fn report_page(title: &str, clips: &[String]) -> String {
         page.push_str(rest);
     }
     page
-}
-
-/// Text between tags or in an attribute.
-fn escaped(text: &str) -> String {
-    let mut safe = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => safe.push_str("&amp;"),
-            '<' => safe.push_str("&lt;"),
-            '>' => safe.push_str("&gt;"),
-            '"' => safe.push_str("&quot;"),
-            '\'' => safe.push_str("&#39;"),
-            letter if letter.is_control() => safe.push('\u{fffd}'),
-            letter => safe.push(letter),
-        }
-    }
-    safe
 }
 
 /// JSON that cannot end the script element that it stands in: these letters occur in strings only, where an escape means the same.

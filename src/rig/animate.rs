@@ -5,7 +5,7 @@
 //! axes, scaled armatures and mirrored parents never matter. Scale is never animated. Non-uniform scale above a turned bone
 //! (a shear) has no exact answer in TRS and is treated as if it were uniform.
 
-pub use super::sampler::{SampledPose, Sampler, slerp};
+pub use super::sampler::{SampledPose, Sampler, hermite, slerp};
 use super::{Rig, RigNode, Trs};
 use crate::model::{BodyPose, Clip, Role};
 use glam::{DAffine3, DMat3, DQuat, DVec3};

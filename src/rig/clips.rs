@@ -5,7 +5,7 @@
 //! straight lines. Leaves out morph weights, and what extensions animate (`KHR_animation_pointer`), with a note.
 
 use super::document::required_index;
-use super::sampler::slerp;
+use super::sampler::{hermite, slerp};
 use super::{Document, Fault, Rig, Trs};
 use crate::model::{Channel, Clip, Interpolation, KeyValues, Target};
 use glam::{DQuat, DVec3, DVec4};
@@ -266,11 +266,7 @@ impl Track {
     /// Appendix C: a Hermite spline, tangents per second.
     fn spline(&self, from: usize, to: usize, t: f64) -> DVec4 {
         let seconds = f64::from(self.times[to]) - f64::from(self.times[from]);
-        let (t2, t3) = (t * t, t * t * t);
-        self.value(from) * (2.0 * t3 - 3.0 * t2 + 1.0)
-            + self.number(3 * from + 2) * (seconds * (t3 - 2.0 * t2 + t))
-            + self.value(to) * (3.0 * t2 - 2.0 * t3)
-            + self.number(3 * to) * (seconds * (t3 - t2))
+        hermite([self.value(from), self.number(3 * from + 2), self.number(3 * to), self.value(to)], seconds, t)
     }
 
     /// As a channel of a [`Clip`].

@@ -1,4 +1,4 @@
-//! A clip read back as a glTF reader would: f32 keys, linear, spherical and step interpolation, unanimated nodes as the file
+//! A clip read back as a glTF reader would: f32 keys, linear, spherical, cubic and step interpolation, unanimated nodes as the file
 //! has them.
 //!
 //! Globals are in scenario space (metres). A joint's turn is its node's global rotation from the bind pose.
@@ -6,7 +6,7 @@
 use super::Rig;
 use super::animate::orientation;
 use crate::model::{BodyPose, Clip, Interpolation, KeyValues, Target};
-use glam::{DAffine3, DMat3, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4};
 
 /// What a clip shows at one time, in scenario space.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -54,12 +54,12 @@ impl<'a> Sampler<'a> {
         let mut tracks: Vec<[Option<Track<'a>>; 3]> = vec![[None, None, None]; rig.nodes.len()];
         let mut root = [None, None];
         for channel in &clip.channels {
-            let (path, count) = match &channel.values {
-                KeyValues::Translation(keys) => (0, keys.len()),
-                KeyValues::Rotation(keys) => (1, keys.len()),
-                KeyValues::Scale(keys) => (2, keys.len()),
+            let path = match &channel.values {
+                KeyValues::Translation(_) => 0,
+                KeyValues::Rotation(_) => 1,
+                KeyValues::Scale(_) => 2,
             };
-            if channel.times.is_empty() || count != channel.times.len() {
+            if !channel.is_whole() {
                 continue;
             }
             let track = Track {
@@ -190,20 +190,44 @@ impl Track<'_> {
 
     fn translation(&mut self, time: f64) -> DVec3 {
         let (from, to, share) = self.place(time);
-        match self.values {
-            KeyValues::Translation(keys) | KeyValues::Scale(keys) => vector(keys[from]).lerp(vector(keys[to]), share),
-            KeyValues::Rotation(_) => DVec3::ZERO,
+        let (KeyValues::Translation(keys) | KeyValues::Scale(keys)) = self.values else { return DVec3::ZERO };
+        let at = |index: usize| DVec3::from_array(keys[index].map(f64::from));
+        match self.interpolation {
+            Interpolation::Cubic if share > 0.0 => {
+                self.spline(from, to, share, |index| at(index).extend(0.0)).truncate()
+            }
+            Interpolation::Cubic => at(3 * from + 1),
+            _ => at(from).lerp(at(to), share),
         }
     }
 
     fn rotation(&mut self, time: f64) -> DQuat {
         let (from, to, share) = self.place(time);
-        match self.values {
-            KeyValues::Rotation(keys) if share == 0.0 => quaternion(keys[from]),
-            KeyValues::Rotation(keys) => slerp(quaternion(keys[from]), quaternion(keys[to]), share),
-            KeyValues::Translation(_) | KeyValues::Scale(_) => DQuat::IDENTITY,
+        let KeyValues::Rotation(keys) = self.values else { return DQuat::IDENTITY };
+        let at = |index: usize| DVec4::from_array(keys[index].map(f64::from));
+        let unit = |four: DVec4| DQuat::from_vec4(four.try_normalize().unwrap_or(DVec4::W));
+        match self.interpolation {
+            Interpolation::Cubic if share > 0.0 => unit(self.spline(from, to, share, at)),
+            Interpolation::Cubic => unit(at(3 * from + 1)),
+            _ if share > 0.0 => slerp(unit(at(from)), unit(at(to)), share),
+            _ => unit(at(from)),
         }
     }
+
+    fn spline(&self, from: usize, to: usize, share: f64, at: impl Fn(usize) -> DVec4) -> DVec4 {
+        let seconds = f64::from(self.times[to]) - f64::from(self.times[from]);
+        hermite([at(3 * from + 1), at(3 * from + 2), at(3 * to), at(3 * to + 1)], seconds, share)
+    }
+}
+
+/// glTF 2.0, appendix C: value and tangent where a key is left, tangent and value where the next is reached (tangents a
+/// second), so many seconds apart.
+pub fn hermite([from, leaving, arriving, to]: [DVec4; 4], seconds: f64, share: f64) -> DVec4 {
+    let (t, t2, t3) = (share, share * share, share * share * share);
+    from * (2.0 * t3 - 3.0 * t2 + 1.0)
+        + leaving * (seconds * (t3 - 2.0 * t2 + t))
+        + to * (3.0 * t2 - 2.0 * t3)
+        + arriving * (seconds * (t3 - t2))
 }
 
 /// Spherical interpolation along the shorter arc, as glTF asks of readers.
@@ -215,12 +239,4 @@ pub fn slerp(from: DQuat, to: DQuat, share: f64) -> DQuat {
     }
     let angle = dot.min(1.0).acos();
     (from * ((1.0 - share) * angle).sin() + to * (share * angle).sin()) * (1.0 / angle.sin())
-}
-
-fn vector(key: [f32; 3]) -> DVec3 {
-    DVec3::new(f64::from(key[0]), f64::from(key[1]), f64::from(key[2]))
-}
-
-fn quaternion(key: [f32; 4]) -> DQuat {
-    DQuat::from_xyzw(f64::from(key[0]), f64::from(key[1]), f64::from(key[2]), f64::from(key[3])).normalize()
 }

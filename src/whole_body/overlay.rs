@@ -15,7 +15,7 @@ use crate::maths::two_bone_ik::two_bone_ik;
 use crate::model::{Body, BodyPose, Side};
 use glam::{DQuat, DVec3};
 
-/// m: a knee that is off the line from hip to ankle by less than the first says nothing of where it points, by more than the second all.
+/// m at a leg of 0.83 m: a knee that is off the line from hip to ankle by less than the first says nothing of where it points, by more than the second all.
 const OFF_LINE: [f64; 2] = [0.0004, 0.0012];
 /// rad: a knee that bends by more than the clip's shows less of how the clip's points, and from how much more on the least.
 const FREELY: f64 = 0.05;
@@ -24,7 +24,7 @@ const FADES: f64 = 0.4;
 /// Part of the leg: a clip that uses more of it may lock its knee.
 const STRAIGHT: f64 = 0.995;
 /// The straightest leg that a base clip may show.
-const LOCKED: f64 = 0.99999;
+const LOCKED: f64 = 0.999_999_9;
 
 /// A base clip's pose, the pelvis of the stand facing +Z, as a reaction is laid over it.
 #[derive(Clone, Debug, PartialEq)]
@@ -125,7 +125,8 @@ impl BasePose {
             // The hinge that the thigh itself turns about, for a leg too straight to show one.
             let hinge = (pose.turns[leg.upper] * leg.thigh_from_rest.inverse()) * DVec3::X;
             let own = square(axis.cross(hinge)).try_normalize().unwrap_or(pole);
-            let told = smooth3((off.length() - OFF_LINE[0]) / (OFF_LINE[1] - OFF_LINE[0]));
+            let size = leg.length() / 0.83;
+            let told = smooth3((off.length() - OFF_LINE[0] * size) / ((OFF_LINE[1] - OFF_LINE[0]) * size).max(1e-9));
             let seen = off.try_normalize().unwrap_or(own);
             let way = (own * (1.0 - told) + seen * told).try_normalize().unwrap_or(seen);
             base.knees[side as usize] = pole.cross(way).dot(axis).atan2(pole.dot(way));

@@ -341,6 +341,13 @@ impl<'a> Solver<'a> {
             pose.turns[toe] = foot.toe;
             self.positions[toe] = chain.end + pose.turns[leg.foot] * body.offset(toe);
         }
+        // Toes that the sole does not bend at go with the foot, held to it as a clip holds them.
+        for (joint, shape) in body.joints.iter().enumerate() {
+            if shape.parent == Some(leg.foot) && leg.toe != Some(joint) {
+                let held = over.map_or(DQuat::IDENTITY, |base| base.turns[leg.foot].inverse() * base.turns[joint]);
+                pose.turns[joint] = (pose.turns[leg.foot] * held).normalize();
+            }
+        }
         (hip, chain)
     }
 }

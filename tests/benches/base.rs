@@ -1,20 +1,23 @@
 //! The plausibility of shoves with and without a base clip: six third-party rigs x 8 directions x 4 strengths, and how far the ends are
 //! from the base clip's pose. `cargo bench --bench base` prints it.
 //!
-//! Impulses are for 89.5 kg and a 0.83 m leg, and scale with the body. Stands only: of walks `tests/base.rs` prints some.
+//! Below them the walks: each clip as it is, held on its feet, and pushed with 40 Ns from four directions. Impulses are for 89.5 kg and a
+//! 0.83 m leg, and scale with the body.
 
 #![expect(clippy::print_stdout, reason = "the table")]
 
 use rayon::prelude::*;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use surefoot::bake::base::prepare;
-use surefoot::bake::{BakeOptions, Base, bake};
+use surefoot::bake::base::{gait::Gait, prepare};
+use surefoot::bake::{BakeOptions, Baked, Base, bake, contacts};
+use surefoot::measure::{Findings, Frame, Motion, measure};
 use surefoot::mocap;
 use surefoot::model::report::{ClipReport, Outcome};
 use surefoot::model::scenario::{Direction, Push, Scenario};
-use surefoot::model::{Role, scenario};
+use surefoot::model::{Role, Side, scenario};
 use surefoot::rig::{Rig, load};
+use surefoot::whole_body::Anatomy;
 
 /// Rig, file of the base clip, the clip.
 const RIGS: [(&str, &str, &str); 6] = [
@@ -25,16 +28,49 @@ const RIGS: [(&str, &str, &str); 6] = [
     ("godette_vrm0.vrm", "m2m_human_base_animations.glb", "Idle_Loop"),
     ("vrm1_debug_robot.vrm", "m2m_human_base_animations.glb", "Pistol_Idle_Loop"),
 ];
+/// Rig, file of the walk, and the clip; `""` is the only one.
+const WALKS: [(&str, &str, &str); 22] = [
+    ("rigs/kaykit_Knight.glb", "rigs/kaykit_Knight.glb", "Walking_A"),
+    ("rigs/kaykit_Knight.glb", "rigs/kaykit_Knight.glb", "Walking_B"),
+    ("rigs/kaykit_Knight.glb", "rigs/kaykit_Knight.glb", "Walking_C"),
+    ("rigs/kaykit_Knight.glb", "rigs/kaykit_Knight.glb", "Walking_Backwards"),
+    ("rigs/m2m_human_base_animations.glb", "rigs/m2m_human_base_animations.glb", "Walk_Loop"),
+    ("rigs/m2m_human_base_animations.glb", "rigs/m2m_human_base_animations.glb", "Walk_Formal_Loop"),
+    ("rigs/m2m_human_base_animations.glb", "rigs/m2m_human_base_animations.glb", "Crouch_Fwd_Loop"),
+    ("rigs/m2m_human_base_animations.glb", "rigs/m2m_human_base_animations.glb", "Push_Loop"),
+    ("rigs/khronos_CesiumMan.gltf", "rigs/khronos_CesiumMan.gltf", ""),
+    ("rigs/gdquest_mannequiny.glb", "rigs/m2m_human_base_animations.glb", "Walk_Loop"),
+    ("rigs/gdquest_mannequiny.glb", "rigs/kaykit_Knight.glb", "Walking_A"),
+    ("rigs/gdquest_mannequiny.glb", "clips/cmu_12_01_walk.bvh", ""),
+    ("rigs/gdquest_mannequiny.glb", "clips/cmu_02_01_walk.bvh", ""),
+    ("rigs/m2m_human_male.glb", "clips/pab_walk.fbx", ""),
+    ("rigs/m2m_human_male.glb", "clips/makehuman_walk1.bvh", ""),
+    ("rigs/m2m_human_male.glb", "clips/cmu_03_01_walk_uneven.bvh", ""),
+    ("rigs/m2m_human_male.glb", "forces/rajagopal_walk.glb", ""),
+    ("rigs/kaykit_Knight.glb", "rigs/kaykit_Knight.glb", "Running_A"),
+    ("rigs/m2m_human_base_animations.glb", "rigs/m2m_human_base_animations.glb", "Jog_Fwd_Loop"),
+    ("rigs/gdquest_mannequiny.glb", "rigs/gdquest_mannequiny.glb", "run"),
+    ("rigs/m2m_human_male.glb", "clips/pab_jog.fbx", ""),
+    ("rigs/m2m_human_male.glb", "clips/cmu_jumping_jacks_30hz.bvh", ""),
+];
+/// Degrees, the ways that a walk is pushed.
+const WAYS: [f64; 4] = [0.0, 90.0, 180.0, -90.0];
+/// s of a walk that is measured.
+const WALKED: f64 = 8.0;
 const IMPULSES: [f64; 4] = [25.0, 50.0, 75.0, 100.0];
 
 fn main() {
     let folder = std::env::var_os("SUREFOOT_DATA").map(PathBuf::from);
-    let folder =
-        folder.unwrap_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data")).join("rigs");
+    let folder = folder.unwrap_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"));
     if !folder.is_dir() {
         println!("skipped: no third-party rigs in {}", folder.display());
         return;
     }
+    stands(&folder);
+    walks(&folder);
+}
+
+fn stands(folder: &Path) {
     println!(
         "{:<34}{:>6}{:>6}{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}{:>7}{:>10}{:>8}",
         "% of clips that hold",
@@ -53,7 +89,7 @@ fn main() {
         "mm"
     );
     for (rig, file, clip) in RIGS {
-        let rig_file = folder.join(rig);
+        let rig_file = folder.join("rigs").join(rig);
         let Ok(loaded) = load(&rig_file) else {
             println!("{rig}: does not load");
             continue;
@@ -61,7 +97,7 @@ fn main() {
         for over in [false, true] {
             let runs: Vec<(f64, f64)> =
                 (0..8).flat_map(|way| IMPULSES.map(|impulse| (f64::from(way) * 45.0, impulse))).collect();
-            let made = base_of(&loaded, &folder.join(file), clip, rig == file);
+            let made = base_of(&loaded, &folder.join("rigs").join(file), clip, rig == file);
             let base = match made {
                 Ok(base) => Arc::new(base),
                 Err(error) => {
@@ -81,9 +117,117 @@ fn main() {
     }
 }
 
-fn base_of(rig: &Rig, file: &std::path::Path, clip: &str, own: bool) -> Result<Base, String> {
+/// The walks: as keyed (its travel taken from its feet), as held, and pushed.
+fn walks(folder: &Path) {
+    println!(
+        "\n{:<40}{:>32}{:>26}{:>62}",
+        "walks", "the clip as it is", "on held feet", "pushed with 40 Ns from four directions, the worst"
+    );
+    println!(
+        "{:<40}{:>7}{:>7}{:>6}{:>6}{:>6}{:>8}{:>6}{:>6}{:>6}{:>8}{:>6}{:>6}{:>6}{:>10}{:>6}{:>9}{:>6}{:>6}",
+        "",
+        "m/s",
+        "zmp %",
+        "slip",
+        "sink",
+        "pops",
+        "zmp %",
+        "slip",
+        "sink",
+        "pops",
+        "zmp %",
+        "slip",
+        "sink",
+        "pops",
+        "first deg",
+        "mm",
+        "last deg",
+        "mm",
+        "back"
+    );
+    for (rig, file, clip) in WALKS {
+        let stem =
+            |path: &str| path.rsplit('/').next().and_then(|name| name.split('.').next()).unwrap_or("").to_owned();
+        let name = if rig == file { clip.to_owned() } else { format!("{} {clip}", stem(file)) };
+        let name = format!("{} {name}", stem(rig).split('_').nth(1).unwrap_or(""));
+        match walk(folder, rig, file, clip) {
+            Ok(row) => println!("{name:<40}{row}"),
+            Err(error) => println!("{name:<40}{error}"),
+        }
+    }
+}
+
+fn walk(folder: &Path, rig_file: &str, file: &str, clip: &str) -> Result<String, String> {
+    let rig = load(&folder.join(rig_file)).map_err(|error| error.to_string())?;
+    let base = Arc::new(base_of(&rig, &folder.join(file), clip, rig_file == file)?);
+    let own = as_it_is(&rig, &base)?;
+    let runs: Vec<(f64, f64)> = [(0.0, 0.0)].into_iter().chain(WAYS.map(|way| (way, 40.0))).collect();
+    let baked: Result<Vec<Baked>, String> = runs
+        .par_iter()
+        .map(|(way, impulse)| {
+            let mut scenario = shove(&rig, clip, *way, *impulse, true);
+            scenario.duration = WALKED;
+            scenario.push.iter_mut().for_each(|push| push.start = 2.0);
+            scenario.push.retain(|push| push.force > 0.0);
+            let options = BakeOptions { base: Some(base.clone()), ..BakeOptions::default() };
+            bake(&rig, &scenario, &options).map_err(|error| error.to_string())
+        })
+        .collect();
+    let baked = baked?;
+    let (still, pushed) = baked.split_at(1);
+    let ends = |baked: &Baked| {
+        let told = baked.report.base.as_ref().expect("the clip says where it comes from");
+        [told.first_deg, told.first_mm, told.last_deg, told.last_mm]
+    };
+    let back = |baked: &&Baked| {
+        let [.., deg, mm] = ends(baked);
+        baked.report.outcome != Outcome::Fall && deg < 0.5 && mm < 5.0
+    };
+    let worst = |baked: &[Baked]| {
+        let all: Vec<[f64; 4]> = baked.iter().filter_map(|baked| baked.findings.as_ref()).map(told).collect();
+        all.into_iter().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1]), a[2].max(b[2]), a[3].max(b[3])])
+    };
+    let show = |told: Option<[f64; 4]>| {
+        told.map_or(String::new(), |[zmp, slip, sink, pops]| format!("{zmp:>8.1}{slip:>6.1}{sink:>6.1}{pops:>6.0}"))
+    };
+    let most = baked.iter().map(ends).fold([0.0_f64; 4], |a, b| std::array::from_fn(|at| a[at].max(b[at])));
+    Ok(format!(
+        "{own}{}{}{:>10.3}{:>6.2}{:>9.3}{:>6.2}{:>4}/4",
+        show(worst(still)),
+        show(worst(pushed)),
+        most[0],
+        most[1],
+        most[2],
+        most[3],
+        pushed.iter().filter(back).count()
+    ))
+}
+
+/// ZMP inside (%), slip and sink (mm), pops.
+fn told(findings: &Findings) -> [f64; 4] {
+    let told = findings.plausibility();
+    [told.zmp_inside * 100.0, told.slip_max_mm, told.penetration_max_mm, findings.joints.pops.len() as f64]
+}
+
+/// A walk before its feet are held, travelling as they say.
+fn as_it_is(rig: &Rig, base: &Base) -> Result<String, String> {
+    const HZ: f64 = 120.0;
+    let anatomy = Anatomy::new(&rig.body);
+    let gait = Gait::new(base, &rig.body, &anatomy, WALKED + 1.0, WALKED).map_err(|error| error.to_string())?;
+    let poses: Vec<_> = (0..=(WALKED * HZ) as usize).map(|frame| gait.at(frame as f64 / HZ).pose).collect();
+    let mut list = Vec::new();
+    for side in Side::BOTH {
+        gait.contacts(side, 0.0, WALKED, Default::default(), 0.0, &mut list);
+    }
+    let motion = Motion { body: &rig.body, hz: HZ, per_frame: 4, poses: &poses };
+    let findings = measure(motion, &contacts::held(&list, Frame::World), &[], 1.0).ok_or("is too short")?;
+    let [zmp, slip, sink, pops] = told(&findings);
+    Ok(format!("{:>7.2}{zmp:>7.1}{slip:>6.0}{sink:>6.1}{pops:>6.0}", gait.velocity.length()))
+}
+
+fn base_of(rig: &Rig, file: &Path, clip: &str, own: bool) -> Result<Base, String> {
     let clips = mocap::load(file).map_err(|error| error.to_string())?;
-    let index = clips.find(clip).map_err(|error| error.to_string())?;
+    let index = clips.find(if clip.is_empty() { "0" } else { clip }).map_err(|error| error.to_string())?;
     let reading = clips.reading(index, &mocap::Options::default()).map_err(|error| error.to_string())?;
     prepare(rig, &Scenario::default(), &reading, own.then_some(index)).map_err(|error| error.to_string())
 }

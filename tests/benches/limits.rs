@@ -43,12 +43,15 @@ fn told(clip: &Measured) -> String {
         .map(|(name, value, _)| format!("{name}={:.2}", value(clip)))
         .collect();
     format!(
-        "{:>3} Ns towards {:>3}: {:?} {} steps, ankle {:.1} m/s: {} {}",
+        "{:>3} Ns towards {:>3}: {:?} {} steps, ankle {:.1} m/s, {:.1} % keys of the {} channels of {} that move: {} {}",
         clip.impulse,
         clip.direction,
         clip.outcome,
         clip.steps,
         clip.ankle_speed,
+        100.0 * clip.keys.moving,
+        clip.keys.channels[1],
+        clip.keys.channels[0],
         failed.join(" "),
         faults(std::slice::from_ref(clip))
     )

@@ -1,9 +1,10 @@
 //! Where a walking clip goes, and the cycle of it that is begun again for as long as is needed. Scenario space, metres, seconds.
 //!
-//! A clip that walks in place travels by what the feet that bear go back by, evened over a moment. One that is no loop is cut from a
+//! A clip that walks in place travels by what the feet that bear go back by, evened over a moment: those that somebody names, else the
+//! low ones. One that is no loop is cut from a
 //! touchdown to the like one a stride later, and what the two differ by is let go over the cycle.
 
-use super::bearing::{LOW, as_capture, lowest};
+use super::bearing::{Bears, LOW, as_capture, lowest};
 use super::gait::SLOWEST;
 use super::{Base, BaseFrame};
 use crate::audit::contacts::footfalls;
@@ -15,10 +16,12 @@ use glam::{DQuat, DVec2, DVec3};
 
 /// Part of the feet's speed under a body by which a body that walks in place moves at most.
 const IN_PLACE: f64 = 0.3;
+/// s at a leg of 0.83 m: no cycle of two steps is shorter.
+const SHORTEST: f64 = 0.7;
 
 /// m, where the clip's body is by each frame that walks in place: what the feet that bear go back by, evened. Zero where it travels by
-/// itself; `None` where no foot ever bears.
-pub(super) fn travelled(base: &Base, body: &Body, evened: f64) -> Option<Vec<DVec3>> {
+/// itself; `None` where no foot ever bears. `contacts`: which feet do, else those that are low.
+pub(super) fn travelled(base: &Base, body: &Body, evened: f64, contacts: Option<&[Bears]>) -> Option<Vec<DVec3>> {
     let frames = base.frames();
     let count = frames.len();
     let point = |frame: &BaseFrame, side: Side, which: usize| {
@@ -32,7 +35,10 @@ pub(super) fn travelled(base: &Base, body: &Body, evened: f64) -> Option<Vec<DVe
         let (mut way, mut weight) = (DVec3::ZERO, 0.0);
         for side in Side::BOTH {
             let height = 0.5 * (lows[frame][side as usize] + lows[frame - 1][side as usize]) - floor;
-            let bears = (1.0 - height / LOW).max(0.0).powi(2);
+            let bears = match contacts {
+                Some(contacts) => loaded(contacts, side, frame),
+                None => (1.0 - height / LOW).max(0.0).powi(2),
+            };
             if bears > 0.0 {
                 let positions = frames[frame].pose.positions(body);
                 let (rear, front) = frames[frame].pose.sole(body, &positions, side);
@@ -79,6 +85,13 @@ pub(super) fn travelled(base: &Base, body: &Body, evened: f64) -> Option<Vec<DVe
     Some(list)
 }
 
+/// How much a foot bears from the frame before to a frame: less where it comes and goes.
+fn loaded(contacts: &[Bears], side: Side, frame: usize) -> f64 {
+    const COMES: f64 = 3.0;
+    let own = contacts.iter().find(|contact| contact.side == side && contact.start < frame && frame <= contact.end);
+    own.map_or(0.0, |own| ((frame - own.start).min(own.end + 1 - frame) as f64 / COMES).min(1.0))
+}
+
 /// The clip with its travel, begun again as often as is needed: frames, and s of a cycle.
 pub(super) fn unrolled(
     base: &Base,
@@ -121,7 +134,7 @@ pub(super) fn unrolled(
     (list, period)
 }
 
-/// The two frames a cycle apart that are most alike, of a clip that is no loop.
+/// The two frames a cycle apart that are most alike, of a clip that is no loop: two touchdowns, or any two where it is too short for those.
 fn cycle(base: &Base, frames: &[BaseFrame], body: &Body) -> (usize, usize) {
     let capture = as_capture(base, body, frames);
     let track = Track::new(&capture);
@@ -144,7 +157,33 @@ fn cycle(base: &Base, frames: &[BaseFrame], body: &Body) -> (usize, usize) {
             }
         }
     }
+    if best.0.is_finite() {
+        return (best.1, best.2);
+    }
+    let least = (SHORTEST * base.fps * (body.leg_length / 0.83).max(0.01).sqrt()).ceil() as usize;
+    let stride = frames.len().div_ceil(120).max(1);
+    for from in (0..frames.len()).step_by(stride) {
+        for to in (from + least..frames.len()).step_by(stride) {
+            let (one, other) = (&frames[from].pose, &frames[to].pose);
+            let off: f64 = one.turns.iter().zip(&other.turns).map(|(a, b)| a.angle_between(*b)).sum();
+            if off < best.0 {
+                best = (off, from, to);
+            }
+        }
+    }
     (best.1, best.2)
+}
+
+/// Frames at another rate.
+pub(super) fn resampled(frames: &[BaseFrame], from: f64, to: f64) -> Vec<BaseFrame> {
+    let last = frames.len() - 1;
+    let count = (last as f64 * to / from).floor() as usize;
+    let one = |frame: usize| {
+        let place = frame as f64 * from / to;
+        let first = (place.floor() as usize).min(last);
+        frames[first].between(&frames[(first + 1).min(last)], place - first as f64)
+    };
+    (0..=count).map(one).collect()
 }
 
 impl BaseFrame {

@@ -3,14 +3,17 @@
 //! [`super::cycle`] makes it travel and go on, [`super::bearing`] sees which feet bear, [`super::hold`] holds them. Scenario space,
 //! metres, seconds.
 
-use super::bearing::{Bears, bears, bridge, low, seen};
-use super::cycle::{travelled, unrolled};
-use super::hold::hold;
+use super::bearing::{Bears, as_capture, bears, bridge, low, seen};
+use super::cycle::{resampled, travelled, unrolled};
+use super::hold::{hold, strays};
+use super::turning::turning;
 use super::{Base, BaseError, BaseFrame};
+use crate::audit::track::Track;
 use crate::bake::contacts::FootContact;
 use crate::maths::quat::yaw_of;
+use crate::measure::GRAVITY;
 use crate::model::report::Part;
-use crate::model::{Body, Plant, Side};
+use crate::model::{Body, Plant, Role, Side};
 use crate::whole_body::{Anatomy, FootTarget};
 use glam::{DVec2, DVec3};
 
@@ -18,6 +21,18 @@ use glam::{DVec2, DVec3};
 pub(super) const SLOWEST: f64 = 0.2;
 /// s, standard deviations of the smoothing of its travel that are tried.
 const EVENED: [f64; 3] = [0.08, 0.2, 0.6];
+/// m/s², RMS: a body that travels so unevenly costs as much as
+const JOLTS: f64 = 3.0;
+/// feet that stray by that much of the leg, mean, from where the clip has them.
+const STRAYS: f64 = 0.1;
+/// Part of the leg: feet that stray by more do not walk.
+const MOST_STRAYS: f64 = 0.25;
+/// Of gravity: a body that sinks with more falls,
+const FALLS: f64 = 0.75;
+/// and one that does in more than that part of the frames jumps.
+const MOST_FALLING: f64 = 0.15;
+/// Cosine of the trunk's lean, mean: a body that leans more does not walk.
+const UPRIGHT: f64 = 0.5;
 /// Part of the frames in which no foot is seen to bear, of a walk.
 const MOST_FLIGHT: f64 = 0.25;
 
@@ -34,6 +49,8 @@ pub struct Gait {
     pub period: f64,
     /// m, mean centre of mass over the ground.
     pub com_height: f64,
+    /// m, RMS: how far its feet are held from where the clip has them while they bear.
+    pub strays: f64,
     /// How far out each leg reaches, in leg lengths.
     pub reach: [f64; 2],
     /// By touchdown.
@@ -52,43 +69,79 @@ pub struct Fall {
     pub flat: f64,
     pub ball: f64,
     pub up: f64,
+    /// What it stands on before it is flat, and after.
+    pub parts: [Part; 2],
     /// Where it lies.
     pub plant: Plant,
 }
 
+/// A way to see a clip as a walk.
+struct Seen {
+    cost: f64,
+    aloft: f64,  // part of the frames
+    strays: f64, // m, RMS
+    frames: Vec<BaseFrame>,
+    fps: f64,
+    period: f64,
+    contacts: Vec<Bears>,
+}
+
 impl Gait {
-    /// Of a clip, for so many seconds at least.
-    pub fn new(base: &Base, body: &Body, anatomy: &Anatomy, seconds: f64) -> Result<Gait, BaseError> {
+    /// Of a clip, for so many seconds at least. `ends` (s) is to be one of its frames.
+    pub fn new(base: &Base, body: &Body, anatomy: &Anatomy, seconds: f64, ends: f64) -> Result<Gait, BaseError> {
         let unfit = |what: String| BaseError::Unfit { name: base.name.clone(), what };
         let size = (body.leg_length / 0.83).max(1e-3);
-        // The least smoothing with which the feet are seen to bear.
-        let mut best: Option<(usize, Vec<BaseFrame>, f64, Vec<Bears>)> = None;
-        for evened in EVENED {
-            let travelled = travelled(base, body, evened).ok_or_else(|| unfit("has feet that never bear".into()))?;
+        // Of all ways to see it, the one in which the feet that bear leave the clip's the least, and the body travels evenly.
+        let mut best: Option<Seen> = None;
+        let turns = turning(body, base.frames(), size);
+        let ways = EVENED.into_iter().flat_map(|evened| [(evened, None), (evened, Some(turns.as_slice()))]);
+        for (evened, told) in ways.filter(|(_, told)| told.is_none_or(|told| !told.is_empty())) {
+            let travelled =
+                travelled(base, body, evened, told).ok_or_else(|| unfit("has feet that never bear".into()))?;
             let (unrolled, period) = unrolled(base, &travelled, (body, anatomy), seconds);
-            // Feet that are merely low may be on their way: they are taken for bearing only where the others leave much to the air.
-            let slack = unrolled.len() / 10;
-            for (contacts, less) in [(seen(base, body, &unrolled), 0), (low(body, &unrolled, size), slack)] {
-                let flight = (0..unrolled.len()).filter(|frame| !bears(&contacts, *frame)).count() + less;
+            let (unrolled, fps) = on_frames(unrolled, base.fps, ends);
+            let contacts = match told {
+                Some(_) => vec![turning(body, &unrolled, size)],
+                None => vec![seen(base, body, &unrolled), low(body, &unrolled, size)],
+            };
+            let uneven = jolts(base, &travelled) / JOLTS / size.sqrt();
+            for contacts in contacts {
+                let flight = (0..unrolled.len()).filter(|frame| !bears(&contacts, *frame)).count();
                 let steps = Side::BOTH.map(|side| contacts.iter().filter(|contact| contact.side == side).count());
-                let flight = if steps.iter().any(|steps| *steps < 2) { unrolled.len() } else { flight };
-                if best.as_ref().is_none_or(|best| flight * 2 < best.0) {
-                    best = Some((flight, unrolled.clone(), period, contacts));
+                if steps.iter().any(|steps| *steps < 2) {
+                    continue;
+                }
+                let strays = strays(body, (&unrolled, fps), &contacts);
+                let aloft = flight as f64 / unrolled.len() as f64;
+                let cost = 4.0 * aloft + strays / (STRAYS * body.leg_length) + uneven;
+                if best.as_ref().is_none_or(|best| cost < best.cost) {
+                    best = Some(Seen { cost, aloft, strays, frames: unrolled.clone(), fps, period, contacts });
                 }
             }
         }
-        let Some((flight, unrolled, period, mut contacts)) = best else {
-            return Err(BaseError::Empty(base.name.clone()));
+        let Some(Seen { aloft, strays, frames: unrolled, fps, period, mut contacts, .. }) = best else {
+            return Err(unfit("takes too few steps to be a walk".into()));
         };
         let last = unrolled.len() - 1;
-        if flight == unrolled.len() {
-            return Err(unfit("takes too few steps to be a walk".into()));
-        }
-        if flight as f64 > MOST_FLIGHT * unrolled.len() as f64 {
+        if aloft > MOST_FLIGHT {
             return Err(unfit("runs: both feet are off the ground at times".into()));
         }
+        let falls = Track::new(&as_capture(base, body, base.frames())).acceleration;
+        if falls.iter().filter(|rate| rate.y < -FALLS * GRAVITY).count() as f64 > MOST_FALLING * falls.len() as f64 {
+            return Err(unfit("jumps: it falls freely at times".into()));
+        }
+        if strays > MOST_STRAYS * body.leg_length {
+            return Err(unfit(format!("slides on feet that bear ({:.0} cm)", strays * 100.0)));
+        }
+        let upright = unrolled.iter().map(|frame| upright(body, frame)).sum::<f64>() / unrolled.len() as f64;
+        if upright < UPRIGHT {
+            return Err(unfit(format!(
+                "lies ({:.0} degrees off upright)",
+                upright.clamp(-1.0, 1.0).acos().to_degrees()
+            )));
+        }
         bridge(&mut contacts, unrolled.len());
-        let seconds = last as f64 / base.fps;
+        let seconds = last as f64 / fps;
         let way = unrolled[last].com - unrolled[0].com;
         let velocity = DVec2::new(way.x, way.z) / seconds.max(1e-9);
         if velocity.length() < SLOWEST * size.sqrt() {
@@ -111,11 +164,12 @@ impl Gait {
             }
         }
         let mut gait = Gait {
-            fps: base.fps,
+            fps,
             velocity,
             facing,
             period,
             com_height,
+            strays,
             reach,
             falls: Vec::new(),
             frames,
@@ -194,9 +248,9 @@ impl Gait {
         for fall in self.falls.iter().filter(|fall| fall.side == side) {
             let plant = Plant { ankle: fall.plant.ankle + shift, ..fall.plant };
             let parts = [
-                (Part::Heel, fall.down, fall.flat),
+                (fall.parts[0], fall.down, fall.flat),
                 (Part::Flat, fall.flat, fall.ball),
-                (Part::Ball, fall.ball, fall.up),
+                (fall.parts[1], fall.ball, fall.up),
             ];
             for (part, start, end) in parts {
                 let (start, end) = (start.max(from), end.min(to));
@@ -206,6 +260,29 @@ impl Gait {
             }
         }
     }
+}
+
+/// Cosine of how far the trunk leans.
+fn upright(body: &Body, frame: &BaseFrame) -> f64 {
+    let positions = frame.pose.positions(body);
+    let head = body.joint(Role::Head).map_or(frame.com, |head| positions[head]);
+    (head - frame.pose.hips).try_normalize().map_or(1.0, |up| up.y)
+}
+
+/// The frames at a rate, near their own, at which that time (s) is a frame.
+fn on_frames(frames: Vec<BaseFrame>, fps: f64, ends: f64) -> (Vec<BaseFrame>, f64) {
+    let place = ends * fps;
+    if place < 1.0 || (place - place.round()).abs() < 1e-6 {
+        return (frames, fps);
+    }
+    let rate = place.ceil() / ends;
+    (resampled(&frames, fps, rate), rate)
+}
+
+/// m/s², RMS of a travel's acceleration.
+fn jolts(base: &Base, travelled: &[DVec3]) -> f64 {
+    let squares = travelled.windows(3).map(|three| (three[0] - 2.0 * three[1] + three[2]).length_squared());
+    (squares.sum::<f64>() / travelled.len().max(1) as f64).sqrt() * base.fps * base.fps
 }
 
 /// Between two targets of a foot.

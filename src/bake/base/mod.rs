@@ -10,9 +10,10 @@ mod error;
 mod foot;
 pub mod gait;
 mod hold;
-mod over;
+pub(in crate::bake) mod over;
 mod prepare;
 pub mod stand;
+mod turning;
 pub mod walk;
 
 pub use beside::add;
@@ -35,6 +36,15 @@ const LOOPS: f64 = 2.5 * std::f64::consts::PI / 180.0;
 
 /// m, at a leg of 0.83 m: a centre of mass that far out of the feet is not standing on them.
 const TOPPLED: f64 = 0.04;
+
+/// m at a leg of 0.83 m: feet that move by less stay.
+const STAYS: f64 = 0.006;
+/// s at a leg of 0.83 m: a stand lasts longer.
+const STANDS: f64 = 0.3;
+/// m at a leg of 0.83 m: a stand that shifts its feet does it by less,
+const SHIFTS: f64 = 0.45;
+/// and rises and sinks by less.
+const SINKS: f64 = 0.15;
 
 /// A clip to start from and to return to.
 #[derive(Clone, Debug, PartialEq)]
@@ -109,33 +119,83 @@ impl Base {
             notes: Vec::new(),
             frames,
         };
-        base.walks = base.judge(capture)?;
+        let track = Track::new(capture);
+        base.walks = base.judge(&track);
+        if base.walks
+            && let Some((from, to)) = base.stays(body)
+        {
+            base.steady(&track, from..=to)?;
+            base.walks = false;
+            base.loops = false;
+            base.frames.truncate(to + 1);
+            base.frames.drain(..from);
+            base.notes.push(format!(
+                "the base clip shifts its feet: it is played from {:.2} to {:.2} s, where they stay",
+                from as f64 / base.fps,
+                to as f64 / base.fps
+            ));
+        } else if !base.walks {
+            base.steady(&track, 0..=base.frames.len() - 1)?;
+        }
         Ok(base)
     }
 
-    /// Whether it lifts its feet. A stand keeps both on the ground from end to end, and its centre of mass over them.
-    fn judge(&self, capture: &Capture) -> Result<bool, BaseError> {
-        let track = Track::new(capture);
-        let feet = footfalls(&track);
-        let unfit = |what: String| Err(BaseError::Unfit { name: self.name.clone(), what });
-        for side in Side::BOTH {
-            if feet.of[side as usize].contains(&None) {
-                return Ok(true);
+    /// Whether it lifts its feet.
+    fn judge(&self, track: &Track) -> bool {
+        let feet = footfalls(track);
+        Side::BOTH.into_iter().any(|side| feet.of[side as usize].contains(&None))
+    }
+
+    /// The frames, most of the clip, in which both feet stay where they are, of one that lifts or shifts them a little besides.
+    fn stays(&self, body: &Body) -> Option<(usize, usize)> {
+        let size = (body.leg_length / 0.83).max(1e-3);
+        let ankles: Vec<[DVec3; 2]> = self
+            .frames
+            .iter()
+            .map(|frame| {
+                let positions = frame.pose.positions(body);
+                Side::BOTH.map(|side| positions[body.feet[side as usize].ankle])
+            })
+            .collect();
+        let apart = |from: usize, to: usize| {
+            let off = [0, 1].map(|side| ankles[from][side].distance(ankles[to][side]));
+            off[0].max(off[1]) / size
+        };
+        let count = ankles.len();
+        let mut best = (0, 0);
+        for from in 0..count {
+            if count - from <= best.1 - best.0 + 1 {
+                break;
+            }
+            let to = (from..count).take_while(|to| apart(from, *to) < STAYS).last().unwrap_or(from);
+            if to - from > best.1 - best.0 {
+                best = (from, to);
             }
         }
+        let (from, to) = best;
+        let most = (to - from + 1) * 2 > count && (to - from) as f64 / self.fps > STANDS * size.sqrt();
+        let sinks = |frame: &BaseFrame| (frame.com.y - self.frames[from].com.y).abs() > SINKS * size;
+        let shifts = (0..count).all(|frame| apart(from, frame) < SHIFTS) && !self.frames.iter().any(sinks);
+        (most && shifts).then_some(best)
+    }
+
+    /// A stand has its centre of mass over its feet.
+    fn steady(&self, track: &Track, mut frames: std::ops::RangeInclusive<usize>) -> Result<(), BaseError> {
         let size = track.size();
         let out = |frame: usize| {
             let at = |point: DVec3| DVec2::new(point.x, point.z);
             let points: Vec<DVec2> = track.feet.iter().flat_map(|foot| foot.points[frame].map(at)).collect();
-            let half = capture.body.feet[0].half_width;
+            let half = track.capture.body.feet[0].half_width;
             signed_distance(&convex_hull(&points), track.below(frame)) - half
         };
-        let worst = (0..track.len()).max_by(|a, b| out(*a).total_cmp(&out(*b))).unwrap_or(0);
-        if out(worst) > TOPPLED * size {
-            let far = out(worst) * 100.0;
-            return unfit(format!("has its centre of mass {far:.0} cm out of its feet at frame {worst}"));
+        match frames.find(|frame| out(*frame) > TOPPLED * size) {
+            Some(frame) => {
+                let far = out(frame) * 100.0;
+                let what = format!("has its centre of mass {far:.0} cm out of its feet at frame {frame}");
+                Err(BaseError::Unfit { name: self.name.clone(), what })
+            }
+            None => Ok(()),
         }
-        Ok(false)
     }
 
     /// s, from its first frame to its last.

@@ -1,13 +1,18 @@
 //! The base clip under a reaction, whichever kind it is.
 
 use super::{Base, BaseError, BaseFrame, Stood, Walked};
+use crate::maths::quat::wrap_angle;
 use crate::model::scenario::{GroundKind, Scenario};
-use crate::model::{Body, Plant};
+use crate::model::{Body, Physique, Plant};
+use crate::sim::SimulateOptions;
 use crate::stepper::Step;
 use crate::whole_body::reaction::UpperAngles;
 use crate::whole_body::{Anatomy, BasePose, Neutral};
 use glam::DVec3;
 use std::sync::Arc;
+
+/// The entry of an upper body's angles that is where it faces.
+const FACING: usize = 6;
 
 /// A base clip that is laid under a reaction.
 #[derive(Clone, Debug)]
@@ -42,7 +47,16 @@ impl Over {
             let what = format!("walks, and over a walk {part} is not played: pushes and pulls are");
             return Err(BaseError::Unfit { name: base.name.clone(), what });
         }
-        Walked::new(base.clone(), body, anatomy, scenario.duration).map(|walked| Over::Walk(Box::new(walked)))
+        Walked::new(base.clone(), body, anatomy, whole(scenario, SimulateOptions::default().dt))
+            .map(|walked| Over::Walk(Box::new(walked)))
+    }
+
+    /// Who the stepper knows.
+    pub fn physique(&self, physique: &Physique) -> Physique {
+        match self {
+            Over::Stand(stood) => stood.physique(physique),
+            Over::Walk(_) => *physique,
+        }
     }
 
     /// How much of the reaction is left at a time: `busy` (s) is when the last landing and the last disturbance are over.
@@ -77,7 +91,10 @@ impl Over {
             Over::Walk(walked) => {
                 *com = walked.path(com, dt);
                 for (index, angles) in upper.iter_mut().enumerate() {
-                    scale(angles, walked.shows(index as f64 * dt));
+                    let shows = walked.shows(index as f64 * dt);
+                    scale(angles, shows);
+                    let facing = walked.gait.facing;
+                    angles[FACING] = facing + wrap_angle(angles[FACING] - facing) * shows;
                 }
             }
         }
@@ -132,7 +149,12 @@ impl Over {
     }
 }
 
+/// s, how long a bake of that is, in whole ticks of `dt` s.
+pub(in crate::bake) fn whole(scenario: &Scenario, dt: f64) -> f64 {
+    (scenario.duration / dt).round() * dt
+}
+
 /// All but where it faces.
 fn scale(angles: &mut UpperAngles, by: f64) {
-    angles.iter_mut().enumerate().filter(|(entry, _)| *entry != 6).for_each(|(_, angle)| *angle *= by);
+    angles.iter_mut().enumerate().filter(|(entry, _)| *entry != FACING).for_each(|(_, angle)| *angle *= by);
 }

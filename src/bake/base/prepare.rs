@@ -1,6 +1,7 @@
 //! A clip file's motion on the rig that is baked: in scenario space, facing +Z, near the origin, retargeted by role.
 
 use super::{Base, BaseError};
+use crate::audit::track;
 use crate::maths::quat::{shortest_arc, wrap_angle, yaw_of};
 use crate::mocap::Reading;
 use crate::model::scenario::Scenario;
@@ -18,11 +19,24 @@ const AFAR: f64 = 0.5;
 pub fn prepare(rig: &Rig, scenario: &Scenario, reading: &Reading, own: Option<usize>) -> Result<Base, BaseError> {
     let scale = scenario.character.leg_scale;
     let body = if scale == 1.0 { rig.body.clone() } else { rig.with_leg_scale(scale).body };
-    let mut capture = in_scenario(reading);
+    let mut capture = without_pose(in_scenario(reading));
     face_forward(&mut capture);
     let capture = onto(&capture, &body);
-    let notes = if own.is_some() { Vec::new() } else { capture.notes.clone() };
-    Ok(Base { own, notes, ..Base::new(&capture)? })
+    let mut base = Base { own, ..Base::new(&capture)? };
+    if own.is_none() {
+        base.notes.splice(0..0, capture.notes.iter().cloned());
+    }
+    Ok(base)
+}
+
+/// The clip from where it begins to move: captures often begin with a frame or two of a T-pose.
+fn without_pose(capture: Capture) -> Capture {
+    let (Some(mut held), cut) = track::without_pose(&capture) else { return capture };
+    let joints = held.body.joints.len();
+    held.positions.drain(..cut * joints);
+    held.turns.drain(..cut * joints);
+    held.notes.push(format!("the first {cut} of its frames are a pose apart from its motion: left out"));
+    held
 }
 
 /// The motion on that body.

@@ -27,6 +27,8 @@ const LETS_GO: f64 = 6.0;
 const RECOVERS: f64 = 0.6;
 /// m at a leg of 0.83 m: a step that differs by less from those before the disturbance is one of the walk.
 const SAME_STEP: f64 = 0.07;
+/// s, in which a foot that is coming down when the stepper takes over lies as the clip's would.
+const SETTLES: f64 = 0.1;
 /// s that the stepper is run for beyond the end: the step that is on its way then lands.
 const AFTER: f64 = 3.0;
 /// s of gait that are made beyond the clip's end.
@@ -56,8 +58,10 @@ pub struct Walked {
 #[derive(Clone, Copy, Debug, Default)]
 struct Joined {
     offset: Option<FootOffset>, // the clip's from the stepper's when it takes over
-    goes: Option<[f64; 2]>,     // s, the swing in which that is let go
-    back: Option<[f64; 2]>,     // s, the swing in which the clip is taken up
+    // s, and the same then: of a foot that is coming down when the stepper takes over, once both lie flat.
+    settles: Option<(f64, FootOffset)>,
+    goes: Option<[f64; 2]>, // s, the swing in which that is let go
+    back: Option<[f64; 2]>, // s, the swing in which the clip is taken up
 }
 
 /// The clip, taken up again.
@@ -71,7 +75,7 @@ struct Back {
 impl Walked {
     /// Measures the clip, for a bake of so many seconds.
     pub fn new(base: Arc<Base>, body: &Body, anatomy: &Anatomy, seconds: f64) -> Result<Walked, BaseError> {
-        let gait = Gait::new(&base, body, anatomy, seconds + BEYOND)?;
+        let gait = Gait::new(&base, body, anatomy, seconds + BEYOND, seconds)?;
         let fastest = 1.8 * (body.leg_length / 0.83).sqrt();
         let speed = gait.velocity.length();
         if speed > fastest * 1.05 {
@@ -238,7 +242,10 @@ impl Walked {
 
     fn take_up(&mut self, steps: &mut Vec<Step>, index: usize, fall: &Fall, end: f64) -> bool {
         let step = steps[index];
-        let (later, other) = (step.land - fall.down, step.side.other());
+        // A little sooner, for the end to be one of the clip's frames.
+        let place = (end - step.land + fall.down) * self.gait.fps;
+        let sooner = ((place - 1e-6).ceil() - place) / self.gait.fps;
+        let (later, other) = (step.land - fall.down - sooner, step.side.other());
         let (stood, lands) = self.gait.around(other, fall.down);
         let (Some(stood), Some(lands)) = (stood.copied(), lands.copied()) else { return false };
         let shift = (step.to.ankle - fall.plant.ankle) * DVec3::new(1.0, 0.0, 1.0);
@@ -251,6 +258,9 @@ impl Walked {
         let to = Plant { ankle: lands.plant.ankle + shift, ..lands.plant };
         steps.truncate(index + 1);
         steps[index].to.yaw = fall.plant.yaw;
+        if let Some(beat) = self.beats.last_mut().filter(|beat| beat[0] == step.land) {
+            beat[1] = step.land - later;
+        }
         steps.push(Step { lift, land, to, ..after });
         self.back = Some(Back { later, shift, over: [step.lift, land] });
         true
@@ -260,7 +270,15 @@ impl Walked {
     pub fn join(&mut self, body: &Body, curve: &dyn Fn(Side, f64) -> FootTarget) {
         for side in Side::BOTH {
             let offset = FootOffset::between(body, side, &curve(side, self.from), &self.gait.foot(side, self.from));
-            self.sides[side as usize].offset = Some(offset);
+            let joined = &mut self.sides[side as usize];
+            joined.offset = Some(offset);
+            let fall = self.gait.around(side, self.from).0.filter(|fall| fall.up >= self.from && self.from < fall.flat);
+            let flat = fall.map(|fall| (fall.flat + 0.02).max(self.from + SETTLES).min(fall.ball.max(fall.flat)));
+            let stays = |time: &f64| *time > self.from + 0.02 && joined.goes.is_none_or(|goes| goes[0] > *time);
+            joined.settles = flat.filter(stays).map(|time| {
+                let (own, clip) = (curve(side, time), self.gait.foot(side, time));
+                (time, FootOffset::between(body, side, &own, &clip))
+            });
         }
     }
 
@@ -271,6 +289,7 @@ impl Walked {
             let last = steps.iter().rfind(|step| step.side == side);
             self.sides[side as usize] = Joined {
                 offset: None,
+                settles: None,
                 goes: first.map(|step| [step.lift.max(self.from), step.land]),
                 back: self.back.and(last).map(|step| [step.lift, step.land]),
             };
@@ -284,7 +303,10 @@ impl Walked {
         }
         let joined = &self.sides[side as usize];
         let left = joined.goes.map_or(1.0, |goes| 1.0 - smooth3((time - goes[0]) / (goes[1] - goes[0]).max(1e-6)));
-        let target = joined.offset.map_or(*curve, |offset| offset.on(curve, left));
+        let mut target = joined.offset.map_or(*curve, |offset| offset.on(curve, left));
+        if let Some((flat, offset)) = joined.settles {
+            target = blended(&target, &offset.on(curve, left), smooth3((time - self.from) / (flat - self.from)));
+        }
         match (joined.back, self.back) {
             (Some([lift, land]), Some(back)) if time > lift => {
                 let clip = self.gait.foot(side, time - back.later);

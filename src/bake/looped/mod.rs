@@ -9,7 +9,7 @@ mod motion;
 mod told;
 mod travel;
 
-use super::keys::{KeyInput, keyed_clip};
+use super::keys::{KeyInput, straight_clip_on};
 use super::{BakeError, BakeOptions, Baked, RootMotion, base, carried, props, safe_letters};
 use crate::bake::Performance;
 use crate::model::props::Prop;
@@ -67,7 +67,7 @@ fn bake_one(
 ) -> Result<Baked, BakeError> {
     let looped = Looped::new(performance, cycle)?;
     let name = name(options.name.as_deref(), &scenario.title, &clips::clip_names(rig));
-    let whole = keyed_clip(&KeyInput {
+    let input = KeyInput {
         rig,
         name: &name,
         fps: options.fps,
@@ -75,7 +75,8 @@ fn bake_one(
         pose: &|time| looped.pose_at(time),
         contacts: &looped.contacts,
         root_motion: RootMotion::Hips,
-    });
+    };
+    let whole = straight_clip_on(&input, &|_| glam::DQuat::IDENTITY, &|_| 0.0);
     let laid = |mode: RootMotion| {
         let mut clip = travel::laid(&whole, rig, mode, looped.travel);
         if let Some(over) = &performance.timeline.over {
