@@ -12,7 +12,8 @@
 //! | 5 | [`bake`], [`correct`] | trace to clip, over a base clip or alone: foot curves, reach envelope, ZMP filter, root motion, key reduction; findings to a corrected clip |
 //! | 6 | [`export`], [`picture`] | bytes of GLB and VRMA, events, engine helpers; contact sheets, plots, pages of audits |
 //! | 7 | [`batch`] | sweep to plan to clips side by side, manifest, near-duplicates, files for farms |
-//! | 8 | [`cli`], `studio` | the command line; the files on disk |
+//! | 8 | [`disk`] | the files on the disk: which are meant, what is in them, whole ones in their places |
+//! | 9 | [`cli`], `studio` | the command line; the window |
 //!
 //! A bake from end to end, as the command line does it (without the files):
 //!
@@ -40,6 +41,7 @@ pub mod bake;
 pub mod batch;
 pub mod cli;
 pub mod correct;
+pub mod disk;
 pub mod export;
 pub mod maths;
 pub mod measure;

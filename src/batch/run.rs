@@ -174,7 +174,7 @@ pub fn engines(settings: &BakeSettings) -> impl Iterator<Item = &'static Engine>
 }
 
 /// As the flags of `surefoot bake`.
-fn options(settings: &BakeSettings, name: &str, base: Option<Arc<Base>>) -> BakeOptions {
+pub fn options(settings: &BakeSettings, name: &str, base: Option<Arc<Base>>) -> BakeOptions {
     let helped = match settings.assist {
         None => Helped::Auto,
         Some([torque, force]) => Helped::Within(Assist { torque, force }),

@@ -4,12 +4,12 @@
 //! read among several is told with its cause, the rest goes on, and the exit is 2.
 
 use super::args::AuditArgs;
-use super::clip_files::{self, ClipFile};
-use super::exit_code::{Exit, Failure};
 use super::waivers::{self, Waived, Waivers};
-use super::writer::{self, Output};
 use super::{audit_json, audit_table, audit_text, say, tell};
 use crate::audit::{AuditOptions, audit};
+use crate::disk::clip_files::{self, ClipFile};
+use crate::disk::writer::{self, Output};
+use crate::disk::{Exit, Failure};
 use crate::mocap;
 use crate::model::Capture;
 use crate::model::findings::Findings;
@@ -75,7 +75,7 @@ pub fn run(args: &AuditArgs) -> Result<Exit, Failure> {
     if told_alone {
         let failure = &unread[0];
         let exit = if failure.broke_down { Exit::Failed } else { Exit::BadInput };
-        return Err(Failure { exit, message: failure.cause.clone() });
+        return Err(Failure { exit, message: failure.cause.clone(), faults: None });
     }
     let several = several || clips.len() + unread.len() > 1;
     for idle in waivers.idle(&used(&clips, waivers.len())) {
@@ -109,6 +109,7 @@ fn finish(args: &AuditArgs, clips: &[Audited], unread: &[Unread], told: bool) ->
             return Err(Failure {
                 exit,
                 message: format!("{count} of {} clips could not be read", count + clips.len()),
+                faults: None,
             });
         }
     }

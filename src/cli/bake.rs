@@ -1,11 +1,12 @@
 //! `surefoot bake`: a scenario onto a rig, and what came of it for the person and for programs.
 
 use super::args::{Assist, BakeArgs, Drive, Root};
-use super::exit_code::{Exit, Failure};
 use super::parts;
-use super::writer::{self, Output};
-use super::{resolve, say, tell};
+use super::{say, tell};
 use crate::bake::{Baked, Fall};
+use crate::disk::resolve;
+use crate::disk::writer::{self, Output};
+use crate::disk::{Exit, Failure};
 use crate::export::engine::{ENGINES, Engine};
 use crate::model::report::{Contact, JointTorque, Outcome, Part};
 use crate::model::{Scenario, Side};

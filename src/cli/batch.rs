@@ -5,11 +5,12 @@
 
 use super::args::BatchArgs;
 use super::batch_out::{self, Results};
-use super::batch_place::{Folder, RigFile, rig_file};
-use super::exit_code::{Exit, Failure};
-use super::{interrupt, resolve, say, tell};
+use super::{interrupt, say, tell};
 use crate::batch::run::{Ended, Place, Wanted, engines, run as bake_all};
 use crate::batch::{Plan, Variation, plan};
+use crate::disk::folder::{Folder, RigFile, rig_file};
+use crate::disk::resolve;
+use crate::disk::{Exit, Failure};
 use crate::rig::Rig;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::collections::BTreeSet;
@@ -129,7 +130,7 @@ fn planned(path: &Path) -> Result<(Plan, Vec<PathBuf>), Failure> {
         texts.push((file.display().to_string(), resolve::scenario_text(&file)?.1));
         files.push(file);
     }
-    let plan = plan(sweep, &texts).map_err(|faults| resolve::faulty(&source.errors(&faults)))?;
+    let plan = plan(sweep, &texts).map_err(|faults| resolve::faulty(source.errors(&faults)))?;
     Ok((plan, files))
 }
 

@@ -1,12 +1,13 @@
 //! `surefoot batch --openjd DIR` and `--slurm DIR`: jobs for render farms.
 
 use super::args::BatchArgs;
-use super::batch_place::RigFile;
-use super::exit_code::{Exit, Failure};
-use super::writer::{self, Output};
-use super::{resolve, tell};
+use super::tell;
 use crate::batch::farm::{FarmFile, FarmJob};
 use crate::batch::{Plan, openjd, slurm};
+use crate::disk::folder::RigFile;
+use crate::disk::resolve;
+use crate::disk::writer::{self, Output};
+use crate::disk::{Exit, Failure};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};

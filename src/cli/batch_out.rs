@@ -1,15 +1,15 @@
 //! What a batch leaves when all is done: merged files, the manifest, the pictures; and what it says of them.
 
 use super::args::BatchArgs;
-use super::batch_place::Folder;
-use super::exit_code::Failure;
 use super::say;
-use super::writer::{self, Output};
 use crate::batch::manifest::Table;
 use crate::batch::merged::{self, MOST_CLIPS};
 use crate::batch::pictures;
 use crate::batch::run::{Ended, Place, engines, root_joint};
 use crate::batch::{Plan, Variation};
+use crate::disk::Failure;
+use crate::disk::folder::Folder;
+use crate::disk::writer::{self, Output};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 

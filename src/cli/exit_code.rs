@@ -1,54 +1,13 @@
 //! How the program ends: four exit codes, and the guard that turns a panic, which would be a bug, into one of them.
 
+use crate::disk::{Exit, Failure};
 use std::panic::{self, AssertUnwindSafe};
 use std::process::ExitCode;
 use std::sync::Mutex;
 
-/// What the shell gets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Exit {
-    /// Done; a fall is a result too.
-    Done = 0,
-    /// `bake --require-balance` fell and wrote nothing.
-    Refused = 1,
-    /// Bad usage or bad input.
-    BadInput = 2,
-    /// The work could not be completed: disk, breakdown, bug.
-    Failed = 3,
-}
-
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> ExitCode {
         ExitCode::from(exit as u8)
-    }
-}
-
-/// Why it ended badly, in words for the person at the keyboard.
-#[derive(Clone, Debug)]
-pub struct Failure {
-    /// The code.
-    pub exit: Exit,
-    /// What to print after "error: "; empty where all is said already.
-    pub message: String,
-}
-
-impl Failure {
-    /// The user can mend it.
-    pub fn bad_input(message: impl Into<String>) -> Failure {
-        Failure { exit: Exit::BadInput, message: message.into() }
-    }
-
-    /// The user cannot mend it by another input.
-    pub fn failed(message: impl Into<String>) -> Failure {
-        Failure { exit: Exit::Failed, message: message.into() }
-    }
-
-    /// Writing to stdout failed. A reader that has seen enough (`| head`) is no failure.
-    pub fn stdout(error: &std::io::Error) -> Failure {
-        match error.kind() {
-            std::io::ErrorKind::BrokenPipe => Failure { exit: Exit::Done, message: String::new() },
-            _ => Failure::failed(format!("cannot write to stdout: {error}")),
-        }
     }
 }
 

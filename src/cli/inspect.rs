@@ -1,8 +1,9 @@
 //! `surefoot inspect`: what was found in a rig.
 
 use super::args::InspectArgs;
-use super::exit_code::{Exit, Failure};
-use super::{resolve, say};
+use super::say;
+use crate::disk::resolve;
+use crate::disk::{Exit, Failure};
 use crate::rig;
 
 /// Inspects.

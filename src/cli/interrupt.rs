@@ -1,14 +1,11 @@
 //! Ctrl-C and its like: files that are still being written go away, then the program ends with exit code 3.
 //!
-//! The writer lists what it stages here. While it puts finished files in their places it holds the list, so that an
-//! interrupt waits for them all: whole or not at all. SIGKILL cannot be helped; it may leave a `.surefoot-*.tmp`.
+//! While the writer puts finished files in their places an interrupt waits for them all: whole or not at all. SIGKILL cannot
+//! be helped; it may leave a `.surefoot-*.tmp`.
 
-use super::exit_code::Exit;
-use std::path::PathBuf;
-use std::sync::{Mutex, MutexGuard, PoisonError};
-
-/// Files that an interrupt removes.
-static STAGED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+use crate::disk::Exit;
+use crate::disk::staged::staged;
+use std::sync::{Mutex, PoisonError};
 
 /// What an interrupt says more.
 static HINT: Mutex<&str> = Mutex::new("");
@@ -28,9 +25,4 @@ pub fn watch() {
         super::tell(&format!("error: interrupted{hint}"));
         std::process::exit(Exit::Failed as i32);
     }));
-}
-
-/// The list; an interrupt waits while it is held.
-pub fn staged() -> MutexGuard<'static, Vec<PathBuf>> {
-    STAGED.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,7 +1,7 @@
 //! The command line: parse, resolve, run, exit code.
 //!
-//! `args` only looks at the text of the arguments, `resolve` opens the files they name, one file a subcommand does the
-//! work, `writer` puts whole files on the disk. Results go to stdout, messages to stderr. No panic reaches the shell.
+//! `args` only looks at the text of the arguments, [`crate::disk`] opens and writes the files they name, one file a subcommand
+//! does the work. Results go to stdout, messages to stderr. No panic reaches the shell.
 
 pub mod args;
 pub mod audit;
@@ -12,26 +12,21 @@ pub mod bake;
 pub mod batch;
 pub mod batch_farm;
 pub mod batch_out;
-pub mod batch_place;
-pub mod clip_files;
 pub mod correct;
 pub mod exit_code;
 mod forms;
-pub mod glob;
 pub mod inspect;
 pub mod interrupt;
 pub mod new;
 pub mod parts;
-pub mod resolve;
 pub mod retarget;
 pub mod scenario_fault;
 pub mod sheet;
 pub mod waivers;
-pub mod writer;
 
+use crate::disk::{Exit, Failure};
 use args::{Args, Command};
 use clap::Parser;
-use exit_code::{Exit, Failure};
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -52,6 +47,9 @@ pub fn run(args: std::env::ArgsOs) -> ExitCode {
     match outcome {
         Ok(exit) => exit.into(),
         Err(failure) => {
+            if let Some(faults) = &failure.faults {
+                tell(scenario_fault::draw(faults).trim_end());
+            }
             complain(&failure.message);
             failure.exit.into()
         }

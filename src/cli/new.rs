@@ -1,9 +1,9 @@
 //! `surefoot new`: a scenario, a sweep or a rig to start from.
 
 use super::args::{New, NewArgs};
-use super::exit_code::{Exit, Failure};
-use super::writer::{self, Output};
 use super::{parts, say, tell};
+use crate::disk::writer::{self, Output};
+use crate::disk::{Exit, Failure};
 use crate::model::{scenario_text, sweep_text};
 use std::path::{Path, PathBuf};
 

@@ -1,38 +1,19 @@
 //! The calls that the subcommands make into the rows above, each with its errors sorted into exit codes.
 
 use super::args::{self, Assist, BakeArgs, Root};
-use super::exit_code::Failure;
 use crate::bake::{BakeError, BakeOptions, Baked, Base, Drive, Helped, RootMotion};
+use crate::disk::Failure;
 use crate::export::{Exported, Form};
 use crate::model::{Clip, ClipReport, Prop, Scenario};
-use crate::rig::mannequin::{BUILTIN, MannequinOptions, mannequin};
-use crate::rig::{Rig, RigError, clips};
-use crate::{bake, export, picture, rig};
+use crate::rig::mannequin::{MannequinOptions, mannequin};
+use crate::rig::{Rig, clips};
+use crate::{bake, export, picture};
 use std::cell::RefCell;
 use std::path::Path;
 use std::sync::Arc;
 
 /// Moments on a contact sheet.
 const MOMENTS: usize = 10;
-
-/// The rig inside of the program.
-pub fn builtin_rig() -> Result<Rig, Failure> {
-    let alone = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
-    rig::load_bytes("builtin", BUILTIN, &alone, None).map_err(|error| Failure::failed(error.to_string()))
-}
-
-/// Bytes of its document.
-pub fn builtin_size() -> u64 {
-    BUILTIN.len() as u64
-}
-
-/// A rig from a file that is there.
-pub fn load_rig(path: &Path) -> Result<Rig, Failure> {
-    rig::load(path).map_err(|error| match error {
-        RigError::Io { .. } => Failure::bad_input(format!("{error}\n  help: give a file that you may read")),
-        error => Failure::bad_input(error.to_string()),
-    })
-}
 
 /// The built-in rig's file, of that height in metres and with legs so many times as long.
 pub fn new_rig(height: Option<f64>, leg_scale: Option<f64>) -> Vec<u8> {

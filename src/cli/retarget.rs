@@ -1,11 +1,12 @@
 //! `surefoot retarget`: a clip of another skeleton onto a rig, as one more clip in a copy of the rig's file.
 
 use super::args::{RetargetArgs, Root};
-use super::exit_code::{Exit, Failure};
-use super::writer::{self, Output};
-use super::{resolve, say, tell};
+use super::{say, tell};
 use crate::bake::RootMotion;
 use crate::bake::retargeted::{RetargetOptions, Retargeted, retargeted};
+use crate::disk::resolve;
+use crate::disk::writer::{self, Output};
+use crate::disk::{Exit, Failure};
 use crate::export;
 use crate::mocap::{self, ClipFile, Options};
 use serde_json::json;

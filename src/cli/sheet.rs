@@ -1,9 +1,10 @@
 //! `surefoot sheet`: a clip as a contact sheet.
 
 use super::args::SheetArgs;
-use super::exit_code::{Exit, Failure};
-use super::writer::{self, Output};
-use super::{parts, resolve, tell};
+use super::{parts, tell};
+use crate::disk::resolve;
+use crate::disk::writer::{self, Output};
+use crate::disk::{Exit, Failure};
 
 /// Draws it.
 pub fn run(args: &SheetArgs) -> Result<Exit, Failure> {

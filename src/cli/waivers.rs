@@ -11,8 +11,8 @@
 //!
 //! One without `frames` and `foot` covers what is wrong with the whole clip too. What is wrong with the file is told with its line.
 
-use super::exit_code::Failure;
-use super::glob;
+use crate::disk::Failure;
+use crate::disk::glob;
 use crate::model::findings::{Findings, Flag, Rule};
 use serde::Deserialize;
 use std::ops::Range;
@@ -81,7 +81,7 @@ struct Entry {
 
 /// Reads a file of waivers.
 pub fn read(path: &Path) -> Result<Waivers, Failure> {
-    let there = super::resolve::plain_file(path, "--write-waivers FILE.toml writes one to start from")?;
+    let there = crate::disk::resolve::plain_file(path, "--write-waivers FILE.toml writes one to start from")?;
     let bad = |what: &str| Failure::bad_input(format!("{}: {what}", path.display()));
     if there.len() > LARGEST {
         return Err(bad("too large for a file of waivers"));

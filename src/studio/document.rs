@@ -2,11 +2,10 @@
 //!
 //! Panels read it and give [`Edit`]s. Times s, angles rad, forces N, scenario space.
 
-use crate::model::Scenario;
-use crate::model::scenario::{
-    Base, Carry, Character, Crouch, Direction, Feet, Ground, Push, Stand, Throw, Turn, Walk,
-};
 use crate::model::Role;
+use crate::model::Scenario;
+use crate::model::scenario::{Base, Carry, Character, Crouch, Direction, Feet, Ground, Push, Stand, Throw, Turn, Walk};
+use crate::model::sweep::BakeSettings;
 use std::path::PathBuf;
 
 /// The document.
@@ -16,6 +15,8 @@ pub struct Document {
     pub rig: PathBuf,
     /// What happens.
     pub scenario: Scenario,
+    /// How it is baked; not a part of the scenario's file.
+    pub bake: BakeSettings,
 }
 
 /// A lane of the timeline.
@@ -80,6 +81,8 @@ pub enum Edit {
     Remove(Place),
     /// All of it.
     Scenario(Box<Scenario>),
+    /// How it is baked.
+    Bake(BakeSettings),
 }
 
 impl Lane {
@@ -113,20 +116,12 @@ impl Lane {
             Lane::Turn => Entry::Turn(Turn { start, duration: None, facing: std::f64::consts::FRAC_PI_2 }),
             Lane::Crouch => Entry::Crouch(Crouch { start, duration: None, amount: 0.3 }),
             Lane::Stand => Entry::Stand(Stand { start, duration: None, on: Feet::Left }),
-            Lane::Push => Entry::Push(Push {
-                start,
-                duration: 0.2,
-                force: 250.0,
-                toward: Direction::Right,
-                at: Role::Chest,
-            }),
-            Lane::Pull => Entry::Pull(Push {
-                start,
-                duration: 2.0,
-                force: 60.0,
-                toward: Direction::Back,
-                at: Role::Hips,
-            }),
+            Lane::Push => {
+                Entry::Push(Push { start, duration: 0.2, force: 250.0, toward: Direction::Right, at: Role::Chest })
+            }
+            Lane::Pull => {
+                Entry::Pull(Push { start, duration: 2.0, force: 60.0, toward: Direction::Back, at: Role::Hips })
+            }
             Lane::Throw => Entry::Throw(Throw {
                 start,
                 count: 3,
@@ -229,7 +224,12 @@ impl Entry {
 impl Document {
     /// The built-in rig, shoved from the left.
     pub fn demo() -> Document {
-        Document { rig: PathBuf::from("builtin"), scenario: Scenario::demo() }
+        Document::of(PathBuf::from("builtin"), Scenario::demo())
+    }
+
+    /// A scenario on a rig, baked as the command line would without flags.
+    pub fn of(rig: PathBuf, scenario: Scenario) -> Document {
+        Document { rig, scenario, bake: BakeSettings::default() }
     }
 
     /// Entries of a lane.
@@ -263,6 +263,7 @@ impl Document {
             Edit::Ground(ground) => self.scenario.ground = ground,
             Edit::Base(base) => self.scenario.base = base,
             Edit::Scenario(scenario) => self.scenario = *scenario,
+            Edit::Bake(bake) => self.bake = bake,
             Edit::Add(entry) => {
                 let lane = entry.lane();
                 let mut entries = self.entries(lane);

@@ -103,6 +103,7 @@ fn name(edit: &Edit) -> &'static str {
         Edit::Replace(..) => "change an entry",
         Edit::Remove(_) => "remove an entry",
         Edit::Scenario(_) => "change the scenario",
+        Edit::Bake(_) => "change how it is baked",
     }
 }
 

@@ -3,4 +3,10 @@
 //! [`document`] is what is edited and [`history`] its past; panels read them and give edits.
 
 pub mod document;
+pub mod errands;
 pub mod history;
+pub mod home;
+pub mod playback;
+pub mod simulate;
+pub mod time_map;
+pub mod worker;

@@ -3,8 +3,8 @@
 //! Each file is written beside its place, synced, then renamed. If one of several cannot be put in its place, those
 //! before it are taken back. Folders that lack are made. A device, a folder or a write-protected file is never replaced.
 
-use super::exit_code::Failure;
-use super::interrupt;
+use super::Failure;
+use super::staged;
 use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -68,7 +68,7 @@ pub fn write(outputs: &[Output], inputs: &[PathBuf]) -> Result<(), Failure> {
         staged.push((stage(output).map_err(|error| cannot_write(&output.path, &error))?, target(&output.path)));
     }
     // An interrupt waits from here to the end.
-    let mut listed = interrupt::staged();
+    let mut listed = staged::staged();
     listed.retain(|path| staged.iter().all(|(file, _)| file.path() != path));
     place(staged)
 }
@@ -121,7 +121,7 @@ fn stage(output: &Output) -> std::io::Result<NamedTempFile> {
     let folder = folder(&target);
     fs::create_dir_all(folder)?;
     let mut file = {
-        let mut listed = interrupt::staged();
+        let mut listed = staged::staged();
         let file = beside(folder)?;
         listed.push(file.path().to_path_buf());
         file

@@ -1,7 +1,6 @@
 //! From what a person named (files, folders, patterns) to clips: which files, in which order, and what is in each.
 
-use super::exit_code::Failure;
-use super::{glob, resolve};
+use super::{Failure, glob, resolve};
 use crate::mocap;
 use crate::model::Capture;
 use std::path::{Path, PathBuf};

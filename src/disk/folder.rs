@@ -4,15 +4,17 @@
 //! of what. The record is put in its place last: a clip without one is baked again, to the same bytes. Several processes may work in
 //! one folder; what a killed one left half-written is cleared by the next that is alone there.
 
-use super::exit_code::Failure;
+use super::Failure;
+use super::resolve;
+use super::staged::staged;
 use super::writer::{self, Output};
-use super::{interrupt, parts, resolve};
 use crate::bake::Base;
 use crate::batch::record::{self, Measured, Record};
 use crate::batch::run::{Place, Stopped, Wanted};
 use crate::batch::{Plan, Variation};
 use crate::model::Scenario;
 use crate::rig::Rig;
+use crate::rig::mannequin::BUILTIN;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -202,7 +204,7 @@ pub fn rig_file(path: &Path) -> Result<(RigFile, Rig), Failure> {
     let loaded = resolve::rig(path)?;
     let hash = hash_files(&loaded.files).map_err(|error| Failure::bad_input(format!("{}: {error}", path.display())))?;
     let size = match loaded.files.is_empty() {
-        true => parts::builtin_size(),
+        true => BUILTIN.len() as u64,
         false => loaded.files.iter().filter_map(|file| fs::metadata(file).ok()).map(|there| there.len()).sum(),
     };
     Ok((RigFile { path: path.to_owned(), files: loaded.files, hash, size }, loaded.rig))
@@ -228,10 +230,10 @@ fn hash_files(files: &[PathBuf]) -> std::io::Result<String> {
 
 /// Removes what a killed process had not put in its place yet.
 fn clear(folder: &Path) {
-    let staged = interrupt::staged();
+    let list = staged();
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
-        if name.starts_with(writer::STAGED.0) && name.ends_with(writer::STAGED.1) && !staged.contains(&entry.path()) {
+        if name.starts_with(writer::STAGED.0) && name.ends_with(writer::STAGED.1) && !list.contains(&entry.path()) {
             drop(fs::remove_file(entry.path()));
         }
     }

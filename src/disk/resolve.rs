@@ -1,12 +1,12 @@
 //! From the names in the arguments to what they hold: looks at the files, reads them, says what is wrong with them.
 
-use super::exit_code::{Exit, Failure};
-use super::{parts, scenario_fault, tell};
+use super::{Exit, Failure};
 use crate::bake::Base;
-use crate::model::{Scenario, ScenarioSource, Sweep};
+use crate::model::{Scenario, ScenarioErrors, ScenarioSource, Sweep};
 use crate::model::{scenario_text, sweep_text};
-use crate::rig::Rig;
-use crate::{bake, mocap};
+use crate::rig::mannequin::BUILTIN;
+use crate::rig::{Rig, RigError};
+use crate::{bake, mocap, rig};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -25,7 +25,7 @@ pub struct RigInput {
 /// Loads the rig of that name.
 pub fn rig(path: &Path) -> Result<RigInput, Failure> {
     if path.as_os_str() == "builtin" {
-        return Ok(RigInput { rig: parts::builtin_rig()?, files: Vec::new() });
+        return Ok(RigInput { rig: builtin_rig()?, files: Vec::new() });
     }
     plain_file(path, "a rig is a .glb, .gltf or .vrm file; `builtin` is the rig inside of the program")?;
     match ending(path).as_str() {
@@ -44,9 +44,23 @@ pub fn rig(path: &Path) -> Result<RigInput, Failure> {
         }
         _ => {}
     }
-    let rig = parts::load_rig(path)?;
+    let rig = load_rig(path)?;
     let files = files_of(&rig, path);
     Ok(RigInput { rig, files })
+}
+
+/// The rig inside of the program.
+pub fn builtin_rig() -> Result<Rig, Failure> {
+    let alone = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
+    rig::load_bytes("builtin", BUILTIN, &alone, None).map_err(|error| Failure::failed(error.to_string()))
+}
+
+/// A rig from a file that is there.
+pub fn load_rig(path: &Path) -> Result<Rig, Failure> {
+    rig::load(path).map_err(|error| match error {
+        RigError::Io { .. } => Failure::bad_input(format!("{error}\n  help: give a file that you may read")),
+        error => Failure::bad_input(error.to_string()),
+    })
 }
 
 /// The file that a scenario's base clip is from: `file` beside the scenario, else the rig's own.
@@ -104,7 +118,7 @@ pub fn scenario(path: &Path) -> Result<Scenario, Failure> {
 pub fn scenario_text(path: &Path) -> Result<(Scenario, String), Failure> {
     const REMEDY: &str = "a scenario is a TOML text; the order is `surefoot bake RIG SCENARIO -o OUT.glb`";
     let text = text_of(path, "`surefoot new scenario -o FILE.toml` writes one to start from", "a scenario", REMEDY)?;
-    let scenario = scenario_text::parse(&path.display().to_string(), &text).map_err(|errors| faulty(&errors))?;
+    let scenario = scenario_text::parse(&path.display().to_string(), &text).map_err(faulty)?;
     Ok((scenario, text))
 }
 
@@ -112,7 +126,7 @@ pub fn scenario_text(path: &Path) -> Result<(Scenario, String), Failure> {
 pub fn sweep(path: &Path) -> Result<(Sweep, ScenarioSource), Failure> {
     const REMEDY: &str = "a sweep is a TOML text; the order is `surefoot batch SWEEP -o FOLDER`";
     let text = text_of(path, "`surefoot new sweep -o FILE.toml` writes one to start from", "a sweep", REMEDY)?;
-    sweep_text::read(&path.display().to_string(), &text).map_err(|errors| faulty(&errors))
+    sweep_text::read(&path.display().to_string(), &text).map_err(faulty)
 }
 
 fn text_of(path: &Path, lacking: &str, what: &str, remedy: &str) -> Result<String, Failure> {
@@ -130,12 +144,12 @@ fn text_of(path: &Path, lacking: &str, what: &str, remedy: &str) -> Result<Strin
     })
 }
 
-/// Prints the faults of a scenario or a sweep; the failure that remains has nothing to add.
-pub fn faulty(errors: &crate::model::ScenarioErrors) -> Failure {
-    tell(scenario_fault::draw(errors).trim_end());
+/// A failure that holds the faults of a scenario or a sweep.
+pub fn faulty(errors: ScenarioErrors) -> Failure {
     let count = errors.faults.len();
     let faults = if count == 1 { "1 fault".to_owned() } else { format!("{count} faults") };
-    Failure { exit: Exit::BadInput, message: format!("{faults} in {}; nothing was written", errors.name) }
+    let message = format!("{faults} in {}; nothing was written", errors.name);
+    Failure { exit: Exit::BadInput, message, faults: Some(Box::new(errors)) }
 }
 
 /// Makes sure that a path leads to a plain file.
