@@ -41,8 +41,8 @@ pub enum Command {
     New(NewArgs),
     /// Draw a clip as a contact sheet
     Sheet(SheetArgs),
-    /// (not in this version yet) Edit scenarios in a window
-    Studio(LaterArgs),
+    /// Place disturbances by hand and see the reaction at once; audit clips; compare variations
+    Studio(StudioArgs),
 }
 
 /// `surefoot bake`.
@@ -237,12 +237,15 @@ pub struct SheetArgs {
     pub clip: Option<String>,
 }
 
-/// Arguments of a subcommand that is still to come: anything.
+/// `surefoot studio`.
 #[derive(Debug, clap::Args)]
-pub struct LaterArgs {
-    /// Not read yet
-    #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
-    pub rest: Vec<std::ffi::OsString>,
+pub struct StudioArgs {
+    /// A scenario (.toml), a rig (.glb, .gltf, .vrm) or a clip to audit (.bvh, .fbx, .vrma); the built-in rig without
+    #[arg(value_name = "FILE")]
+    pub file: Option<PathBuf>,
+    /// Play and edit for so many seconds, print how fast it was as JSON, and close
+    #[arg(long, value_name = "SECONDS")]
+    pub measure: Option<f64>,
 }
 
 /// Root motion.
@@ -401,11 +404,6 @@ mod tests {
             assert!(parsed(&format!("surefoot bake a b -o c.glb {flag}")).is_ok(), "{flag}");
         }
         assert!(parsed("surefoot bake a b -o c.gltf").is_err(), "only binary glTF is written");
-    }
-
-    #[test]
-    fn what_is_to_come_takes_any_arguments() {
-        assert!(matches!(parsed("surefoot studio a.toml --json - --strict"), Ok(Command::Studio(_))));
     }
 
     #[test]

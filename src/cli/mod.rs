@@ -28,13 +28,17 @@ use crate::disk::{Exit, Failure};
 use args::{Args, Command};
 use clap::Parser;
 use std::io::Write;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Runs the program with those arguments.
-pub fn run(args: std::env::ArgsOs) -> ExitCode {
+/// Opens the window on a file, or measures how fast it is for so many seconds and gives that as JSON. The error is for a person.
+pub type OpenStudio = fn(Option<PathBuf>, Option<f64>) -> Result<Option<String>, String>;
+
+/// Runs the program with those arguments. The window is another face, which this one does not know: `main` gives it.
+pub fn run(args: std::env::ArgsOs, studio: Option<OpenStudio>) -> ExitCode {
     interrupt::watch();
     let outcome = exit_code::guarded(|| match Args::try_parse_from(args) {
-        Ok(args) => dispatch(args.command),
+        Ok(args) => dispatch(args.command, studio),
         Err(error) => {
             // Help and version are results, the rest is bad usage; clap knows which stream is whose.
             let told = error.print();
@@ -56,7 +60,7 @@ pub fn run(args: std::env::ArgsOs) -> ExitCode {
     }
 }
 
-fn dispatch(command: Command) -> Result<Exit, Failure> {
+fn dispatch(command: Command, studio: Option<OpenStudio>) -> Result<Exit, Failure> {
     match command {
         Command::Bake(args) => bake::run(&args),
         Command::Inspect(args) => inspect::run(&args),
@@ -66,14 +70,24 @@ fn dispatch(command: Command) -> Result<Exit, Failure> {
         Command::Correct(args) => correct::run(&args),
         Command::Retarget(args) => retarget::run(&args),
         Command::Batch(args) => batch::run(&args),
-        Command::Studio(_) => Err(not_yet("studio")),
+        Command::Studio(args) => open_studio(&args, studio),
     }
 }
 
-fn not_yet(command: &str) -> Failure {
-    Failure::bad_input(format!(
-        "`surefoot {command}` is not in this version yet\n  help: this version has audit, bake, batch, correct, inspect, new, retarget and sheet"
-    ))
+fn open_studio(args: &args::StudioArgs, studio: Option<OpenStudio>) -> Result<Exit, Failure> {
+    let Some(open) = studio else {
+        let remedy =
+            "build it with the feature `studio`, which is on unless it is switched off; every other command works";
+        return Err(Failure::bad_input(format!("this build of surefoot has no window\n  help: {remedy}")));
+    };
+    if let Some(file) = args.file.as_deref().filter(|file| file.as_os_str() != "builtin") {
+        crate::disk::resolve::plain_file(file, "give a scenario, a rig or a clip; or none, for the built-in rig")?;
+    }
+    match open(args.file.clone(), args.measure).map_err(Failure::failed)? {
+        Some(times) => say(&format!("{times}\n"))?,
+        None => {}
+    }
+    Ok(Exit::Done)
 }
 
 /// Writes a result to stdout.

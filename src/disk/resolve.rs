@@ -2,11 +2,12 @@
 
 use super::{Exit, Failure};
 use crate::bake::Base;
-use crate::model::{Scenario, ScenarioErrors, ScenarioSource, Sweep};
+use crate::model::{Role, Scenario, ScenarioErrors, ScenarioSource, Sweep};
 use crate::model::{scenario_text, sweep_text};
 use crate::rig::mannequin::BUILTIN;
 use crate::rig::{Rig, RigError};
 use crate::{bake, mocap, rig};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -24,6 +25,11 @@ pub struct RigInput {
 
 /// Loads the rig of that name.
 pub fn rig(path: &Path) -> Result<RigInput, Failure> {
+    rig_with(path, &BTreeMap::new())
+}
+
+/// The same, with a person's word on which node is which bone; the built-in rig knows its own.
+pub fn rig_with(path: &Path, bones: &BTreeMap<Role, Option<usize>>) -> Result<RigInput, Failure> {
     if path.as_os_str() == "builtin" {
         return Ok(RigInput { rig: builtin_rig()?, files: Vec::new() });
     }
@@ -44,7 +50,7 @@ pub fn rig(path: &Path) -> Result<RigInput, Failure> {
         }
         _ => {}
     }
-    let rig = load_rig(path)?;
+    let rig = load_rig(path, bones)?;
     let files = files_of(&rig, path);
     Ok(RigInput { rig, files })
 }
@@ -56,8 +62,8 @@ pub fn builtin_rig() -> Result<Rig, Failure> {
 }
 
 /// A rig from a file that is there.
-pub fn load_rig(path: &Path) -> Result<Rig, Failure> {
-    rig::load(path).map_err(|error| match error {
+fn load_rig(path: &Path, bones: &BTreeMap<Role, Option<usize>>) -> Result<Rig, Failure> {
+    rig::load_with(path, bones).map_err(|error| match error {
         RigError::Io { .. } => Failure::bad_input(format!("{error}\n  help: give a file that you may read")),
         error => Failure::bad_input(error.to_string()),
     })

@@ -15,6 +15,11 @@ use std::path::Path;
 
 /// Loads a rig from disk.
 pub fn load(path: &Path) -> Result<Rig, RigError> {
+    load_with(path, &BTreeMap::new())
+}
+
+/// The same, with a person's word on which node is which bone beyond what the override file says; `None` takes a bone away.
+pub fn load_with(path: &Path, bones: &BTreeMap<Role, Option<usize>>) -> Result<Rig, RigError> {
     let file = path.display().to_string();
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let bytes = read_file(path).map_err(|source| RigError::Io { file: file.clone(), source })?;
@@ -23,6 +28,11 @@ pub fn load(path: &Path) -> Result<Rig, RigError> {
         Ok(bytes) => Some(String::from_utf8_lossy(&bytes).into_owned()),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => None,
         Err(source) => return Err(RigError::Io { file: beside, source }),
+    };
+    // Nodes by their index: their names are not read yet.
+    let text = match (bones.is_empty(), overrides::with_bones(text.as_deref().unwrap_or_default(), bones, &[])) {
+        (false, Ok(merged)) => Some(merged),
+        _ => text,
     };
     load_bytes(&file, &bytes, &|relative| read_file(&folder.join(relative)), text.as_deref())
 }

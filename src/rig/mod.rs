@@ -37,7 +37,7 @@ pub mod vrm;
 
 pub use error::{Fault, RigError};
 pub use inspect::{inspect_json, inspect_text};
-pub use load::{load, load_bytes, skeleton};
+pub use load::{load, load_bytes, load_with, skeleton};
 
 use crate::model::{Body, Role};
 use glam::{DQuat, DVec2, DVec3};

@@ -45,6 +45,31 @@ pub fn read(file: &str, text: &str, nodes: &[RigNode]) -> Result<BTreeMap<Role, 
     Ok(found)
 }
 
+/// The file's text with those bones said anew. `Err`: the text is not TOML; whoever reads it says what is wrong with it.
+pub fn with_bones(
+    text: &str,
+    bones: &BTreeMap<Role, Option<usize>>,
+    nodes: &[RigNode],
+) -> Result<String, toml::de::Error> {
+    let mut table: toml::Table = text.parse()?;
+    let told = table.entry("bones").or_insert_with(|| toml::Table::new().into());
+    if let Some(told) = told.as_table_mut() {
+        for (role, node) in bones {
+            told.insert(role.name().to_owned(), node.map_or_else(|| String::new().into(), |node| said(node, nodes)));
+        }
+    }
+    Ok(table.to_string())
+}
+
+/// A node by its name where that is its own, else by its index.
+fn said(node: usize, nodes: &[RigNode]) -> toml::Value {
+    let name = nodes.get(node).and_then(|node| node.name.as_deref()).filter(|name| !name.is_empty());
+    match name {
+        Some(name) if nodes.iter().filter(|other| other.name.as_deref() == Some(name)).count() == 1 => name.into(),
+        _ => toml::Value::Integer(node as i64),
+    }
+}
+
 fn node(value: &toml::Value, nodes: &[RigNode]) -> Result<Option<usize>, String> {
     match value {
         toml::Value::Integer(index) => match usize::try_from(*index) {

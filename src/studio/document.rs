@@ -6,6 +6,7 @@ use crate::model::Role;
 use crate::model::Scenario;
 use crate::model::scenario::{Base, Carry, Character, Crouch, Direction, Feet, Ground, Push, Stand, Throw, Turn, Walk};
 use crate::model::sweep::BakeSettings;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// The document.
@@ -13,6 +14,8 @@ use std::path::PathBuf;
 pub struct Document {
     /// The rig's file, or `builtin`.
     pub rig: PathBuf,
+    /// Which node is which bone, beyond what the rig and its override file say; `None` takes a bone away.
+    pub bones: BTreeMap<Role, Option<usize>>,
     /// What happens.
     pub scenario: Scenario,
     /// How it is baked; not a part of the scenario's file.
@@ -20,7 +23,7 @@ pub struct Document {
 }
 
 /// A lane of the timeline.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[expect(missing_docs, reason = "the lanes of a scenario")]
 pub enum Lane {
     Walk,
@@ -48,7 +51,7 @@ pub enum Entry {
 }
 
 /// Which entry.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Place {
     /// Of that lane.
     pub lane: Lane,
@@ -61,6 +64,8 @@ pub struct Place {
 pub enum Edit {
     /// Another rig.
     Rig(PathBuf),
+    /// Other bones.
+    Bones(BTreeMap<Role, Option<usize>>),
     /// The title.
     Title(String),
     /// s.
@@ -229,7 +234,7 @@ impl Document {
 
     /// A scenario on a rig, baked as the command line would without flags.
     pub fn of(rig: PathBuf, scenario: Scenario) -> Document {
-        Document { rig, scenario, bake: BakeSettings::default() }
+        Document { rig, bones: BTreeMap::new(), scenario, bake: BakeSettings::default() }
     }
 
     /// Entries of a lane.
@@ -255,7 +260,11 @@ impl Document {
     /// Changes it. An edit of an entry that is not there, or into another lane, changes nothing.
     pub fn apply(&mut self, edit: Edit) {
         match edit {
-            Edit::Rig(rig) => self.rig = rig,
+            Edit::Rig(rig) => {
+                self.rig = rig;
+                self.bones.clear();
+            }
+            Edit::Bones(bones) => self.bones = bones,
             Edit::Title(title) => self.scenario.title = title,
             Edit::Duration(duration) => self.scenario.duration = duration,
             Edit::Seed(seed) => self.scenario.seed = seed,

@@ -9,10 +9,13 @@ use crate::batch::run::{engines, root_joint};
 use crate::disk::writer::{self, Output};
 use crate::disk::{Failure, clip_files, resolve};
 use crate::export::{self, Form};
-use crate::model::Scenario;
 use crate::model::scenario_write::write;
 use crate::model::sweep::BakeSettings;
+use crate::model::{Role, Scenario};
+use crate::rig::{Rig, overrides};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Something to do.
 #[derive(Clone, Debug)]
@@ -23,6 +26,8 @@ pub enum Errand {
     Save(PathBuf, Box<Scenario>),
     /// Write a clip and what stands beside it.
     Export(PathBuf, Box<Shown>, Box<BakeSettings>),
+    /// Write which node is which bone beside the rig.
+    Bones(PathBuf, Arc<Rig>, BTreeMap<Role, Option<usize>>),
     /// What is in a folder.
     List(PathBuf),
     /// Keep the document in case of a crash; `None`: there is nothing to lose any more.
@@ -44,6 +49,8 @@ pub enum Done {
     Saved(PathBuf, Box<Scenario>),
     /// These files are.
     Exported(Vec<PathBuf>, Vec<String>),
+    /// The rig's override file is there.
+    Bones(PathBuf),
     /// Folders, then files, by name.
     Listed(PathBuf, Vec<Listed>),
     /// Settings, and what crashes left.
@@ -82,6 +89,7 @@ fn name(errand: &Errand) -> &'static str {
         Errand::Open(_) => "open",
         Errand::Save(..) => "save",
         Errand::Export(..) => "export",
+        Errand::Bones(..) => "write the bones",
         Errand::List(_) => "list the folder",
         Errand::Keep(_) => "keep a copy in case of a crash",
         Errand::Remember(_) => "keep the settings",
@@ -102,6 +110,18 @@ fn run(home: &mut Home, errand: Errand) -> Result<Option<Done>, Failure> {
             Some(Done::Saved(path, scenario))
         }
         Errand::Export(path, shown, settings) => Some(export(&path, &shown, &settings)?),
+        Errand::Bones(rig_file, rig, bones) => {
+            let path = rig_file.with_extension("bones.toml");
+            let text = match std::fs::read_to_string(&path) {
+                Ok(text) => text,
+                Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+                Err(error) => return Err(Failure::bad_input(format!("{}: cannot be read: {error}", path.display()))),
+            };
+            let text = overrides::with_bones(&text, &bones, &rig.nodes)
+                .map_err(|error| Failure::bad_input(format!("{}: {error}", path.display())))?;
+            writer::write(&[Output { path: path.clone(), bytes: text.into_bytes() }], &[])?;
+            Some(Done::Bones(path))
+        }
         Errand::List(folder) => Some(Done::Listed(folder.clone(), list(&folder)?)),
         Errand::Keep(unsaved) => {
             home.keep(unsaved.as_deref()).map_err(Failure::failed)?;

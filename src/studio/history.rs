@@ -1,6 +1,7 @@
 //! Undo and redo: documents as they were. A drag, which is many edits, is one step back.
 
 use super::document::{Document, Edit};
+use crate::model::Scenario;
 
 /// Steps that are kept.
 const MOST_STEPS: usize = 2000;
@@ -13,14 +14,20 @@ pub struct History {
     future: Vec<(Document, &'static str)>,
     /// A drag that goes on.
     open: bool,
-    /// What the file on the disk holds.
-    saved: Document,
+    /// What the file on the disk holds; `None`: there is none, or an older one.
+    saved: Option<Scenario>,
 }
 
 impl History {
     /// Begins with a document that is on the disk, or new.
     pub fn new(document: Document) -> History {
-        History { saved: document.clone(), now: document, past: Vec::new(), future: Vec::new(), open: false }
+        History {
+            saved: Some(document.scenario.clone()),
+            now: document,
+            past: Vec::new(),
+            future: Vec::new(),
+            open: false,
+        }
     }
 
     /// The document.
@@ -78,14 +85,19 @@ impl History {
         self.future.last().map(|(_, what)| *what)
     }
 
-    /// The disk holds it now.
-    pub fn save(&mut self) {
-        self.saved = self.now.clone();
+    /// The disk holds that scenario now.
+    pub fn saved(&mut self, scenario: &Scenario) {
+        self.saved = Some(scenario.clone());
     }
 
-    /// Whether the disk holds something else.
+    /// The disk does not hold it.
+    pub fn never_saved(&mut self) {
+        self.saved = None;
+    }
+
+    /// Whether the disk holds another scenario. Rig and bake settings are no part of its file.
     pub fn is_unsaved(&self) -> bool {
-        self.now != self.saved
+        self.saved.as_ref() != Some(&self.now.scenario)
     }
 }
 
@@ -93,6 +105,7 @@ impl History {
 fn name(edit: &Edit) -> &'static str {
     match edit {
         Edit::Rig(_) => "change the rig",
+        Edit::Bones(_) => "change the bones",
         Edit::Title(_) => "change the title",
         Edit::Duration(_) => "change the duration",
         Edit::Seed(_) => "change the seed",

@@ -1,17 +1,18 @@
 //! The document's reaction, baked beside the window: the newest edit wins, and what was there stays until the next is done.
 //!
-//! A scenario is checked as its text would be, so that the studio says what the command line says. Where the drive is left to the
-//! tool and no ball, box or platform asks for the ragdoll, the stepper's clip is shown first and the chosen one when it is there.
+//! Only scenarios without faults are asked for. Where the drive is left to the tool the stepper's clip is shown first, and the chosen one
+//! when it is there.
 
 use super::document::Document;
+use super::viewport::Tracks;
 use super::worker::{Reply, Wake, Worker};
 use crate::bake::{self, Baked, Base};
 use crate::batch::run::options;
 use crate::disk::{Failure, resolve};
-use crate::model::scenario_text;
-use crate::model::scenario_write::write;
+use crate::model::Role;
 use crate::model::sweep::BakeSettings;
 use crate::rig::Rig;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
@@ -40,6 +41,8 @@ pub struct Shown {
     pub files: Vec<PathBuf>,
     /// The clip and all that is known of it.
     pub baked: Arc<Baked>,
+    /// What is known of its balance at any time.
+    pub tracks: Arc<Tracks>,
     /// No better one comes.
     pub last: bool,
     /// From the question to here.
@@ -64,10 +67,14 @@ struct Kept {
     base: Option<(String, PathBuf, Arc<Base>)>,
 }
 
+/// As [`Document::bones`].
+type Bones = BTreeMap<Role, Option<usize>>;
+
 struct HeldRig {
     path: PathBuf,
     /// When the file and its overrides were written.
     at: [Option<SystemTime>; 2],
+    bones: Bones,
     rig: Arc<Rig>,
     files: Vec<PathBuf>,
 }
@@ -94,9 +101,8 @@ fn answer(
     reply: &Reply<Answer>,
     stale: &dyn Fn() -> bool,
 ) -> Result<(), Failure> {
-    let Document { rig, scenario, bake } = &question.document;
-    scenario_text::parse("the scenario", &write(scenario)).map_err(resolve::faulty)?;
-    let (loaded, mut files) = kept.rig(rig)?;
+    let Document { rig, bones, scenario, bake } = &question.document;
+    let (loaded, mut files) = kept.rig(rig, bones)?;
     reply.give(Answer::Rig(Arc::clone(&loaded)));
     let base = kept.base(&loaded, question)?;
     files.extend(base.as_ref().map(|(file, _)| file.clone()));
@@ -105,8 +111,9 @@ fn answer(
         let base = base.as_ref().map(|(_, base)| Arc::clone(base));
         let baked = bake::bake(&loaded, scenario, &options(settings, &name, base))
             .map_err(|error| Failure::failed(error.to_string()))?;
+        let tracks = Arc::new(Tracks::new(&baked));
         let (rig, files, took) = (Arc::clone(&loaded), files.clone(), question.asked.elapsed());
-        let shown = Shown { edit: question.edit, rig, files, baked: Arc::new(baked), last, took };
+        let shown = Shown { edit: question.edit, rig, files, baked: Arc::new(baked), tracks, last, took };
         reply.give(Answer::Clip(Box::new(shown)));
         Ok(())
     };
@@ -120,15 +127,22 @@ fn answer(
 }
 
 impl Kept {
-    fn rig(&mut self, path: &Path) -> Result<(Arc<Rig>, Vec<PathBuf>), Failure> {
+    fn rig(&mut self, path: &Path, bones: &Bones) -> Result<(Arc<Rig>, Vec<PathBuf>), Failure> {
         let overrides = path.with_extension("bones.toml");
         let at = [path, &overrides].map(|file| std::fs::metadata(file).and_then(|there| there.modified()).ok());
-        if let Some(held) = self.rig.as_ref().filter(|held| held.path == path && held.at == at) {
+        if let Some(held) = self.rig.as_ref().filter(|held| held.path == path && held.at == at && held.bones == *bones)
+        {
             return Ok((Arc::clone(&held.rig), held.files.clone()));
         }
-        let loaded = resolve::rig(path)?;
+        let loaded = resolve::rig_with(path, bones)?;
         let (rig, files) = (Arc::new(loaded.rig), loaded.files);
-        self.rig = Some(HeldRig { path: path.to_owned(), at, rig: Arc::clone(&rig), files: files.clone() });
+        self.rig = Some(HeldRig {
+            path: path.to_owned(),
+            at,
+            bones: bones.clone(),
+            rig: Arc::clone(&rig),
+            files: files.clone(),
+        });
         self.base = None;
         Ok((rig, files))
     }
