@@ -86,6 +86,9 @@ mod soles;
 mod stances;
 /// The controller: standing, recovering, stepping.
 mod stepper;
+/// The studio's viewport: pictures without a window, pushes by hand, costs.
+#[cfg(feature = "studio")]
+mod studio_viewport;
 /// Rigs and motions made by hand for the modules above.
 mod synthetic;
 /// VRM animations: the specification, the same pose, read back.

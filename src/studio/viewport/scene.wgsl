@@ -1,0 +1,242 @@
+// What the viewport shows: skinned meshes, loose triangles, the ground without an end, the sky. Metres, relative to the
+// frame's origin; linear light.
+
+struct Scene {
+    clip_from_world: mat4x4f,
+    light_from_world: mat4x4f,
+    eye: vec4f,          // w: m, from how far on the ground fades
+    key: vec4f,          // towards the lamp; w: m, a texel of the shadow
+    right: vec4f,        // across half the picture; w: how dark a shadow is
+    up: vec4f,
+    ahead: vec4f,        // w: m, the height of the flat ground
+    sky_low: vec4f,
+    sky_high: vec4f,
+    tile_light: vec4f,
+    tile_dark: vec4f,
+    shadow_tint: vec4f,
+    ambient_low: vec4f,
+    ambient_high: vec4f,
+    lamp: vec4f,
+}
+
+struct Draw {
+    color: vec4f,
+    tint: vec4f,         // w: how much of it
+    first: u32,          // its first matrix
+    flags: u32,
+    pad_a: u32,
+    pad_b: u32,
+}
+
+const TEXTURED = 1u;
+const SQUARES = 2u;
+const GHOST = 4u;
+const MATRICES_A_ROW = 128u;
+const TILE = 0.25;
+
+@group(0) @binding(0) var<uniform> scene: Scene;
+@group(0) @binding(1) var matrices: texture_2d<f32>;
+@group(0) @binding(2) var<uniform> draw: Draw;
+@group(1) @binding(0) var skin: texture_2d<f32>;
+@group(1) @binding(1) var skin_sampler: sampler;
+@group(2) @binding(0) var shadow_map: texture_depth_2d;
+@group(2) @binding(1) var shadow_sampler: sampler_comparison;
+
+struct Varied {
+    @invariant @builtin(position) clip: vec4f,
+    @location(0) place: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) uv: vec2f,
+    @location(3) own: vec3f,     // in the mesh's own axes
+    @location(4) color: vec4f,
+}
+
+struct Posed {
+    place: vec3f,
+    normal: vec3f,
+}
+
+fn posed(at: vec3f, normal: vec3f, joints: vec4u, weights: vec4f) -> Posed {
+    var sum = mat3x4f();
+    for (var corner = 0u; corner < 4u; corner++) {
+        if weights[corner] > 0.0 {
+            let index = draw.first + joints[corner];
+            let texel = vec2u((index % MATRICES_A_ROW) * 3u, index / MATRICES_A_ROW);
+            let rows = mat3x4f(
+                textureLoad(matrices, texel, 0),
+                textureLoad(matrices, texel + vec2u(1u, 0u), 0),
+                textureLoad(matrices, texel + vec2u(2u, 0u), 0),
+            );
+            sum += rows * weights[corner];
+        }
+    }
+    sum *= 1.0 / max(dot(weights, vec4f(1.0)), 1e-6);
+    return Posed(vec4f(at, 1.0) * sum, vec4f(normal, 0.0) * sum);
+}
+
+@vertex
+fn skinned(
+    @location(0) at: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) uv: vec2f,
+    @location(3) joints: vec4u,
+    @location(4) weights: vec4f,
+) -> Varied {
+    let posed = posed(at, normal, joints, weights);
+    return Varied(scene.clip_from_world * vec4f(posed.place, 1.0), posed.place, posed.normal, uv, at, draw.color);
+}
+
+@vertex
+fn skinned_shadow(
+    @location(0) at: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) uv: vec2f,
+    @location(3) joints: vec4u,
+    @location(4) weights: vec4f,
+) -> @builtin(position) vec4f {
+    return scene.light_from_world * vec4f(posed(at, normal, joints, weights).place, 1.0);
+}
+
+@vertex
+fn loose(@location(0) at: vec3f, @location(1) normal: vec3f, @location(2) color: vec4f) -> Varied {
+    return Varied(scene.clip_from_world * vec4f(at, 1.0), at, normal, vec2f(), at, color);
+}
+
+@vertex
+fn loose_shadow(@location(0) at: vec3f) -> @builtin(position) vec4f {
+    return scene.light_from_world * vec4f(at, 1.0);
+}
+
+// 0..1, how much of the lamp is hidden from a place.
+fn shaded(place: vec3f, normal: vec3f) -> f32 {
+    let facing = clamp(dot(normal, scene.key.xyz), 0.0, 1.0);
+    let off = place + normal * scene.key.w * (1.0 + 2.0 * (1.0 - facing));
+    let clip = scene.light_from_world * vec4f(off, 1.0);
+    let uv = clip.xy * vec2f(0.5, -0.5) + 0.5;
+    let inside = all(abs(clip.xyz - vec3f(0.0, 0.0, 0.5)) < vec3f(1.0, 1.0, 0.5));
+    if !inside {
+        return 0.0;
+    }
+    let texel = 1.0 / vec2f(textureDimensions(shadow_map));
+    let depth = clip.z - 0.0006;
+    var lit = 2.0 * textureSampleCompareLevel(shadow_map, shadow_sampler, uv, depth);
+    lit += textureSampleCompareLevel(shadow_map, shadow_sampler, uv + texel * vec2f(-1.4, -0.5), depth);
+    lit += textureSampleCompareLevel(shadow_map, shadow_sampler, uv + texel * vec2f(0.5, -1.4), depth);
+    lit += textureSampleCompareLevel(shadow_map, shadow_sampler, uv + texel * vec2f(1.4, 0.5), depth);
+    lit += textureSampleCompareLevel(shadow_map, shadow_sampler, uv + texel * vec2f(-0.5, 1.4), depth);
+    let edge = 1.0 - smoothstep(0.85, 1.0, max(abs(clip.x), abs(clip.y)));
+    return (1.0 - lit / 6.0) * edge;
+}
+
+// Hemisphere, key light, a little sheen and rim: as the contact sheets have it, with a lamp of its own place.
+fn lit(albedo: vec3f, normal: vec3f, toward: vec3f, dark: f32) -> vec3f {
+    let key = scene.key.xyz;
+    let ambient = mix(scene.ambient_low.rgb, scene.ambient_high.rgb, 0.5 + 0.5 * normal.y);
+    let diffuse = max((dot(normal, key) + 0.18) / 1.18, 0.0) * (1.0 - 0.85 * dark);
+    let head = max(dot(normal, toward), 0.0) * 0.16;
+    let shine = pow(max(dot(normal, normalize(key + toward)), 0.0), 24.0) * 0.07 * (1.0 - dark);
+    let rim = pow(1.0 - max(dot(normal, toward), 0.0), 4.0) * 0.05;
+    return albedo * (ambient + scene.lamp.rgb * diffuse + head) + shine + rim;
+}
+
+fn checker(at: f32, width: f32) -> f32 {
+    let wide = max(width, 1e-4);
+    let phases = fract(vec2f(at + wide * 0.5, at - wide * 0.5) / (2.0 * TILE));
+    let integral = TILE * (1.0 - abs(2.0 * phases - 1.0));
+    return clamp((integral.x - integral.y) / wide, -1.0, 1.0);
+}
+
+fn line(at: f32, width: f32) -> f32 {
+    let thick = 0.016;
+    let wide = max(width, 1e-4);
+    let off = abs(at - round(at));
+    let low = max(off - wide * 0.5, -thick * 0.5);
+    let high = min(off + wide * 0.5, thick * 0.5);
+    return clamp((high - low) / wide, 0.0, 1.0);
+}
+
+fn squares(at: vec2f, covers: vec2f) -> vec3f {
+    let square = checker(at.x, covers.x) * checker(at.y, covers.y);
+    let color = mix(scene.tile_dark.rgb, scene.tile_light.rgb, 0.5 + 0.5 * square);
+    return color * (1.0 - 0.20 * max(line(at.x, covers.x), line(at.y, covers.y)));
+}
+
+@fragment
+fn surface(in: Varied, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    let covers = fwidth(in.own.xz);
+    let toward = normalize(scene.eye.xyz - in.place);
+    var albedo = in.color;
+    if (draw.flags & TEXTURED) != 0u {
+        let texel = textureSample(skin, skin_sampler, in.uv);
+        albedo *= vec4f(texel.rgb, 1.0);
+        if texel.a < 0.4 {
+            discard;
+        }
+    }
+    var normal = normalize(in.normal);
+    if !front {
+        normal = -normal;
+    }
+    let dark = shaded(in.place, normal);
+    if (draw.flags & SQUARES) != 0u {
+        let upright = clamp((normal.y - 0.2) * 10.0, 0.0, 1.0);
+        let tile = mix(scene.tile_dark.rgb * 0.8, squares(in.own.xz, covers), upright);
+        let level = lit(vec3f(1.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 1.0, 0.0), 0.0);
+        let color = tile * lit(vec3f(1.0), normal, toward, 0.0) / level;
+        return vec4f(mix(color, scene.shadow_tint.rgb, dark * scene.right.w), 1.0);
+    }
+    let color = lit(mix(albedo.rgb, draw.tint.rgb, draw.tint.w), normal, toward, dark);
+    if (draw.flags & GHOST) != 0u {
+        let edge = 1.0 - abs(dot(normal, toward));
+        return vec4f(color, albedo.a * (0.32 + 0.45 * edge * edge));
+    }
+    return vec4f(color, 1.0);
+}
+
+// Without a texture and its discard: the depth is known before.
+@fragment
+fn surface_loose(in: Varied) -> @location(0) vec4f {
+    let toward = normalize(scene.eye.xyz - in.place);
+    let normal = normalize(in.normal);
+    let facing = normal * select(-1.0, 1.0, dot(normal, toward) > 0.0);
+    return vec4f(lit(in.color.rgb, facing, toward, shaded(in.place, facing)), in.color.a);
+}
+
+@fragment
+fn flat_color(in: Varied) -> @location(0) vec4f {
+    return in.color;
+}
+
+@vertex
+fn ground(@builtin(vertex_index) index: u32) -> Varied {
+    let corner = vec2f(f32(index & 1u), f32(index >> 1u)) * 2.0 - 1.0;
+    let place = vec3f(scene.eye.x + corner.x * 400.0, scene.ahead.w, scene.eye.z + corner.y * 400.0);
+    return Varied(scene.clip_from_world * vec4f(place, 1.0), place, vec3f(0.0, 1.0, 0.0), vec2f(), place, vec4f(1.0));
+}
+
+@fragment
+fn ground_color(in: Varied) -> @location(0) vec4f {
+    let color = squares(in.place.xz, fwidth(in.place.xz));
+    let dark = shaded(in.place, vec3f(0.0, 1.0, 0.0));
+    let away = distance(in.place, scene.eye.xyz);
+    let fade = 1.0 - exp(-max(away - scene.eye.w, 0.0) / (2.0 * scene.eye.w + 4.0));
+    return vec4f(mix(mix(color, scene.shadow_tint.rgb, dark * scene.right.w), scene.sky_low.rgb, fade), 1.0);
+}
+
+struct Sky {
+    @builtin(position) clip: vec4f,
+    @location(0) ray: vec3f,
+}
+
+@vertex
+fn sky(@builtin(vertex_index) index: u32) -> Sky {
+    let corner = vec2f(f32((index << 1u) & 2u), f32(index & 2u)) * 2.0 - 1.0;
+    let ray = scene.ahead.xyz + scene.right.xyz * corner.x + scene.up.xyz * corner.y;
+    return Sky(vec4f(corner, 1.0, 1.0), ray);
+}
+
+@fragment
+fn sky_color(in: Sky) -> @location(0) vec4f {
+    let height = clamp(normalize(in.ray).y / 0.45, 0.0, 1.0);
+    return vec4f(mix(scene.sky_low.rgb, scene.sky_high.rgb, height), 1.0);
+}
