@@ -7,6 +7,7 @@ pub mod errands;
 pub mod history;
 pub mod home;
 pub mod playback;
+pub mod plots;
 pub mod simulate;
 pub mod time_map;
 pub mod worker;
