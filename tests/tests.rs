@@ -86,6 +86,12 @@ mod soles;
 mod stances;
 /// The controller: standing, recovering, stepping.
 mod stepper;
+/// The studio's plots: seeking, choosing, pictures.
+#[cfg(feature = "studio")]
+mod studio_plots;
+/// Pictures of the studio without a window.
+#[cfg(feature = "studio")]
+mod studio_seen;
 /// The studio's viewport: pictures without a window, pushes by hand, costs.
 #[cfg(feature = "studio")]
 mod studio_viewport;

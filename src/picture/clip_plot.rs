@@ -1,10 +1,11 @@
 //! A clip's run as a plot: speeds, centre of mass, ξ and CoP against the support, contacts, what was meant and done to it.
 //!
 //! Scenario space, metres, seconds. What is drawn is the controller's run behind the clip; the clip's own centre of mass
-//! differs from it by what the balance filter moved.
+//! differs from it by what the balance filter moved. [`panels`] and [`margin`] are for others who draw the same.
 
 use super::plot::{Bar, Colour, Line, Panel, Plot, Row, svg};
 use crate::bake::Performance;
+use crate::maths::hull::{convex_hull, signed_distance};
 use crate::model::report::Part;
 use crate::model::scenario::Scenario;
 use crate::model::{Physique, Plant, Side};
@@ -17,6 +18,13 @@ pub fn clip_plot(performance: &Performance, scenario: &Scenario) -> String {
 }
 
 fn plot(performance: &Performance, scenario: &Scenario) -> Plot {
+    let duration = performance.timeline.duration();
+    let rows = contact_rows(performance).into_iter().chain(lane_rows(scenario, duration)).collect();
+    Plot { title: scenario.title.clone(), duration, panels: panels(performance, scenario), rows, columns: 1 }
+}
+
+/// Speed, and forward and to the left the centre of mass, ξ and the centre of pressure over the support.
+pub fn panels(performance: &Performance, scenario: &Scenario) -> Vec<Panel> {
     let trace = &performance.trace;
     let duration = performance.timeline.duration();
     let script = Script::of(scenario, Vec::new());
@@ -60,8 +68,16 @@ fn plot(performance: &Performance, scenario: &Scenario) -> Plot {
             marks: marks.clone(),
         });
     }
-    let rows = contact_rows(performance).into_iter().chain(lane_rows(scenario, duration)).collect();
-    Plot { title: scenario.title.clone(), duration, panels, rows, columns: 1 }
+    panels
+}
+
+/// m, how far ξ is inside of the hull of the whole soles that carry, negative outside: the margin of stability. `None` in flight.
+/// Hof, Gazendam and Sinke, "The condition for dynamic stability", 2005.
+pub fn margin(physique: &Physique, tick: &TickState) -> Option<f64> {
+    let carrying = Side::BOTH.into_iter().filter(|side| tick.planted[*side as usize]);
+    let soles: Vec<DVec2> = carrying.flat_map(|side| corners(physique, &tick.feet[side as usize])).collect();
+    let distance = -signed_distance(&convex_hull(&soles), tick.xi);
+    distance.is_finite().then_some(distance)
 }
 
 /// How far the soles that carry reach along an axis.

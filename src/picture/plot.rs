@@ -86,14 +86,20 @@ pub enum Colour {
 }
 
 impl Colour {
-    fn rgb(self) -> RGBColor {
+    /// sRGB.
+    pub fn srgb(self) -> [u8; 3] {
         match self {
-            Colour::Grey => RGBColor(110, 110, 110),
-            Colour::Blue => RGBColor(0, 114, 178),
-            Colour::Orange => RGBColor(230, 159, 0),
-            Colour::Green => RGBColor(0, 158, 115),
-            Colour::Red => RGBColor(213, 94, 0),
+            Colour::Grey => [110, 110, 110],
+            Colour::Blue => [0, 114, 178],
+            Colour::Orange => [230, 159, 0],
+            Colour::Green => [0, 158, 115],
+            Colour::Red => [213, 94, 0],
         }
+    }
+
+    fn rgb(self) -> RGBColor {
+        let [red, green, blue] = self.srgb();
+        RGBColor(red, green, blue)
     }
 }
 

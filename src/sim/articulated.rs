@@ -65,6 +65,8 @@ pub struct Articulated {
     pub peak_torque: f64,
     /// N m, the largest torque that each joint gave while balance was fought for; the hardest worked first.
     pub torques: Vec<(Role, f64)>,
+    /// N m, what each of them gave at every tick, in the same order.
+    pub torque_curves: Vec<Vec<f32>>, // (joints × ticks)
     /// The body as the links stand, one a tick and on through the fall; empty where there is none.
     pub poses: Vec<BodyPose>,
     /// s, when the foot was lifted that never stood again before the fall.

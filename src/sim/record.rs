@@ -38,6 +38,7 @@ pub(super) struct Record {
     lifted: [Option<(f64, StepKind)>; 2],
     help: Help,
     torques: Vec<(Role, f64)>,
+    torque_curves: Vec<Vec<f32>>, // (links × ticks)
 }
 
 impl Record {
@@ -51,6 +52,7 @@ impl Record {
             lifted: [None; 2],
             help: Help::default(),
             torques: Vec::new(),
+            torque_curves: Vec::new(),
         }
     }
 
@@ -120,6 +122,10 @@ impl Record {
             *role = figure.role_of(link);
             *peak = peak.max(control.torques[link]);
         }
+        self.torque_curves.resize_with(figure.links.len(), Vec::new);
+        for (curve, torque) in self.torque_curves.iter_mut().zip(&control.torques) {
+            curve.push(*torque as f32);
+        }
     }
 
     pub(super) fn finish(
@@ -140,14 +146,17 @@ impl Record {
         let unlanded = aloft.filter(|_| lost.is_some());
         let trace = Trace { dt, ticks: self.ticks, steps, aloft: None, pushes, start: self.start, lost, rest };
         // The root's link has no joint.
-        let mut torques = self.torques.split_off(self.torques.len().min(1));
-        torques.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let joints = self.torques.into_iter().zip(self.torque_curves).skip(1);
+        let mut joints: Vec<((Role, f64), Vec<f32>)> = joints.collect();
+        joints.sort_by(|a, b| b.0.1.total_cmp(&a.0.1));
+        let (torques, torque_curves): (Vec<(Role, f64)>, _) = joints.into_iter().unzip();
         Articulated {
             trace,
             upper,
             help: self.help,
             peak_torque: torques.first().map_or(0.0, |worst| worst.1),
             torques,
+            torque_curves,
             poses: Vec::new(),
             unlanded,
             balls: Vec::new(),

@@ -4,6 +4,7 @@
 
 use super::command::Command;
 use super::document::{Edit, Entry, Lane, Place};
+use super::plots::Plots;
 use super::simulate::Shown;
 use super::state::State;
 use super::timeline::{self, Timeline};
@@ -29,6 +30,8 @@ pub struct Author {
     pub viewport: Viewport,
     /// The lanes.
     pub timeline: Timeline,
+    /// Which curves are shown.
+    pub plots: Plots,
     /// The push in hand.
     hand: Option<Place>,
     /// The rig that was last seen: another is framed anew.
@@ -56,6 +59,16 @@ impl Author {
             };
             commands.extend(self.timeline.ui(ui, &input));
         });
+        if state.plots {
+            egui::Panel::left("plots").default_size(300.0).size_range(200.0..=640.0).show(ui, |ui| match &state.curves {
+                Some(curves) => {
+                    let window = self.timeline.window(state.document().scenario.duration);
+                    let sought = self.plots.ui(ui, curves, state.playback.time, Some(window));
+                    commands.extend(sought.map(Command::Seek));
+                }
+                None => drop(ui.spinner()),
+            });
+        }
         egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| {
             commands.extend(self.view(ui, state));
         });

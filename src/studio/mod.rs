@@ -20,6 +20,7 @@ pub mod inspector;
 pub mod measure;
 pub mod menu;
 pub mod playback;
+pub mod plots;
 pub mod simulate;
 pub mod state;
 pub mod strength;

@@ -4,6 +4,7 @@
 //! when it is there.
 
 use super::document::Document;
+use super::plots::{Series, series};
 use super::viewport::Tracks;
 use super::worker::{Reply, Wake, Worker};
 use crate::bake::{self, Baked, Base};
@@ -56,6 +57,8 @@ pub enum Answer {
     Rig(Arc<Rig>),
     /// A clip.
     Clip(Box<Shown>),
+    /// The curves of an edit's clip.
+    Curves(u64, Arc<Series>),
     /// There is none, and why.
     Failed(u64, Failure),
 }
@@ -107,15 +110,15 @@ fn answer(
     let base = kept.base(&loaded, question)?;
     files.extend(base.as_ref().map(|(file, _)| file.clone()));
     let name = bake::safe_name(&scenario.title);
-    let give = |settings: &BakeSettings, last: bool| -> Result<(), Failure> {
+    let give = |settings: &BakeSettings, last: bool| -> Result<Arc<Baked>, Failure> {
         let base = base.as_ref().map(|(_, base)| Arc::clone(base));
-        let baked = bake::bake(&loaded, scenario, &options(settings, &name, base))
-            .map_err(|error| Failure::failed(error.to_string()))?;
+        let baked = bake::bake(&loaded, scenario, &options(settings, &name, base));
+        let baked = Arc::new(baked.map_err(|error| Failure::failed(error.to_string()))?);
         let tracks = Arc::new(Tracks::new(&baked));
         let (rig, files, took) = (Arc::clone(&loaded), files.clone(), question.asked.elapsed());
-        let shown = Shown { edit: question.edit, rig, files, baked: Arc::new(baked), tracks, last, took };
+        let shown = Shown { edit: question.edit, rig, files, baked: Arc::clone(&baked), tracks, last, took };
         reply.give(Answer::Clip(Box::new(shown)));
-        Ok(())
+        Ok(baked)
     };
     if bake.drive == "auto" {
         give(&BakeSettings { drive: "stepper", ..bake.clone() }, false)?;
@@ -123,7 +126,11 @@ fn answer(
             return Ok(());
         }
     }
-    give(bake, true)
+    let baked = give(bake, true)?;
+    if !stale() {
+        reply.give(Answer::Curves(question.edit, Arc::new(series(&baked, scenario, &loaded))));
+    }
+    Ok(())
 }
 
 impl Kept {

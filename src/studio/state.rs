@@ -10,6 +10,7 @@ use super::examples;
 use super::history::History;
 use super::home::{Home, Remembered, Unsaved};
 use super::playback::Playback;
+use super::plots::Series;
 use super::simulate::{self, Answer, Question, Shown};
 use super::worker::{Wake, Worker};
 use crate::disk::{Failure, clip_files};
@@ -84,6 +85,8 @@ pub struct State {
     pub playback: Playback,
     /// The clip that is shown; older than the document while the next is baked.
     pub shown: Option<Shown>,
+    /// The curves of the clip that is shown.
+    pub curves: Option<Arc<Series>>,
     /// The rig of the document, once it is loaded.
     pub rig: Option<Arc<Rig>>,
     /// What is wrong with the scenario; nothing is baked then.
@@ -127,6 +130,7 @@ impl State {
             selected: None,
             playback: Playback { playing: true, ..Playback::default() },
             shown: None,
+            curves: None,
             rig: None,
             faults: Vec::new(),
             failure: None,
@@ -224,6 +228,11 @@ impl State {
                     && let Some(path) = self.export.take()
                 {
                     self.export(path);
+                }
+            }
+            Answer::Curves(edit, curves) => {
+                if self.shown.as_ref().is_some_and(|shown| shown.edit == edit) {
+                    self.curves = Some(curves);
                 }
             }
             Answer::Failed(edit, failure) => {

@@ -1,0 +1,39 @@
+//! Pictures of the studio's panels, drawn without a window and kept under target/studio for a person to look at.
+
+use eframe::egui;
+use egui_kittest::Harness;
+use egui_kittest::wgpu::WgpuTestRenderer;
+use std::panic::catch_unwind;
+
+/// A harness that can draw; `None`, told plainly, where no adapter is. With CI set that fails.
+pub fn harness<'a>(
+    size: [f32; 2],
+    (scale, theme): (f32, egui::Theme),
+    app: impl FnMut(&mut egui::Ui) + 'a,
+) -> Option<Harness<'a>> {
+    // The renderer panics where there is none.
+    let Ok(renderer) = catch_unwind(WgpuTestRenderer::new) else {
+        assert!(std::env::var_os("CI").is_none(), "no wgpu adapter: the pictures could not be drawn");
+        println!("skipped: no wgpu adapter");
+        return None;
+    };
+    let builder = Harness::builder().with_size(size).with_pixels_per_point(scale).with_theme(theme);
+    Some(builder.renderer(renderer).build_ui(app))
+}
+
+/// Draws what the harness shows, keeps it as target/studio/NAME.png, and gives its pixels.
+pub fn keep(harness: &mut Harness, name: &str) -> image::RgbaImage {
+    let image = harness.render().expect("the frame is drawn");
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("target/studio");
+    std::fs::create_dir_all(&folder).expect("target can be written to");
+    image.save(folder.join(format!("{name}.png"))).expect("the picture is kept");
+    image
+}
+
+/// Pixels that are near a colour.
+pub fn near(image: &image::RgbaImage, [red, green, blue]: [u8; 3]) -> usize {
+    let close = |pixel: &&image::Rgba<u8>| {
+        pixel[0].abs_diff(red) < 24 && pixel[1].abs_diff(green) < 24 && pixel[2].abs_diff(blue) < 24
+    };
+    image.pixels().filter(close).count()
+}
