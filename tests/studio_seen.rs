@@ -11,18 +11,24 @@ pub fn harness<'a>(
     (scale, theme): (f32, egui::Theme),
     app: impl FnMut(&mut egui::Ui) + 'a,
 ) -> Option<Harness<'a>> {
-    // The renderer panics where there is none.
-    let Ok(renderer) = catch_unwind(WgpuTestRenderer::new) else {
-        assert!(std::env::var_os("CI").is_none(), "no wgpu adapter: the pictures could not be drawn");
-        println!("skipped: no wgpu adapter");
-        return None;
-    };
+    let renderer = renderer()?;
     let builder = Harness::builder().with_size(size).with_pixels_per_point(scale).with_theme(theme);
     Some(builder.renderer(renderer).build_ui(app))
 }
 
+/// What draws without a window; `None`, told plainly, where no adapter is. With CI set that fails.
+pub fn renderer() -> Option<WgpuTestRenderer> {
+    // It panics where there is none.
+    let renderer = catch_unwind(WgpuTestRenderer::new).ok();
+    if renderer.is_none() {
+        assert!(std::env::var_os("CI").is_none(), "no wgpu adapter: the pictures could not be drawn");
+        println!("skipped: no wgpu adapter");
+    }
+    renderer
+}
+
 /// Draws what the harness shows, keeps it as target/studio/NAME.png, and gives its pixels.
-pub fn keep(harness: &mut Harness, name: &str) -> image::RgbaImage {
+pub fn keep<State>(harness: &mut Harness<'_, State>, name: &str) -> image::RgbaImage {
     let image = harness.render().expect("the frame is drawn");
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("target/studio");
     std::fs::create_dir_all(&folder).expect("target can be written to");

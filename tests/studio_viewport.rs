@@ -78,10 +78,8 @@ impl Shown {
     fn ui(&self, viewport: &mut Viewport, ui: &mut egui::Ui, time: f64) -> Option<Grip> {
         let pose = self.pose(time);
         let late = self.pose(time - self.ghost.unwrap_or(0.0));
-        let figures = [
-            Figure { rig: &self.rig, pose: &pose, ghost: false },
-            Figure { rig: &self.rig, pose: &late, ghost: true },
-        ];
+        let figures =
+            [Figure { rig: &self.rig, pose: &pose, ghost: false }, Figure { rig: &self.rig, pose: &late, ghost: true }];
         let figures = if self.ghost.is_some() { &figures[..] } else { &figures[..1] };
         let marks = self.tracks.at(time);
         viewport.ui(ui, &Scene { figures, capsules: &[], props: &self.baked.props, time, marks: &marks })
@@ -314,8 +312,7 @@ fn a_frame_costs_little() {
             renderer.handle_delta(&mut output.textures_delta);
             let started = Instant::now();
             let jobs = context.tessellate(output.shapes.clone(), 1.0);
-            let screen =
-                eframe::egui_wgpu::ScreenDescriptor { size_in_pixels: [1280, 800], pixels_per_point: 1.0 };
+            let screen = eframe::egui_wgpu::ScreenDescriptor { size_in_pixels: [1280, 800], pixels_per_point: 1.0 };
             let mut encoder = state.device.create_command_encoder(&Default::default());
             state.renderer.write().update_buffers(&state.device, &state.queue, &mut encoder, &jobs, &screen);
             let commands = encoder.finish();

@@ -86,6 +86,9 @@ mod soles;
 mod stances;
 /// The controller: standing, recovering, stepping.
 mod stepper;
+/// The studio: driven without a window, by label.
+#[cfg(feature = "studio")]
+mod studio;
 /// The studio's plots: seeking, choosing, pictures.
 #[cfg(feature = "studio")]
 mod studio_plots;

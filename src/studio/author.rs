@@ -60,13 +60,15 @@ impl Author {
             commands.extend(self.timeline.ui(ui, &input));
         });
         if state.plots {
-            egui::Panel::left("plots").default_size(300.0).size_range(200.0..=640.0).show(ui, |ui| match &state.curves {
-                Some(curves) => {
-                    let window = self.timeline.window(state.document().scenario.duration);
-                    let sought = self.plots.ui(ui, curves, state.playback.time, Some(window));
-                    commands.extend(sought.map(Command::Seek));
+            egui::Panel::left("plots").default_size(300.0).size_range(200.0..=640.0).show(ui, |ui| {
+                match &state.curves {
+                    Some(curves) => {
+                        let window = self.timeline.window(state.document().scenario.duration);
+                        let sought = self.plots.ui(ui, curves, state.playback.time, Some(window));
+                        commands.extend(sought.map(Command::Seek));
+                    }
+                    None => drop(ui.spinner()),
                 }
-                None => drop(ui.spinner()),
             });
         }
         egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| {

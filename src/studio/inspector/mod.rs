@@ -17,7 +17,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State) -> Vec<Command> {
     egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         outcome::ui(ui, state, &mut commands);
         if let (Some(place), Some(entry)) = (state.selected, state.selected_entry()) {
-            let title = format!("{} {}", place.lane.name(), place.index + 1);
+            let title = format!("Selected: {} {}", place.lane.name().to_lowercase(), place.index + 1);
             section(ui, "entry", &title, true, |ui| {
                 ui.weak(place.lane.hint());
                 entry::ui(ui, place, &entry, document.scenario.duration, &mut commands);

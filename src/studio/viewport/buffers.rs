@@ -52,7 +52,8 @@ impl Gathered {
         self.vertices.extend(floats.iter().flat_map(|value| (*value as f32).to_ne_bytes()));
         let joints = weights.iter().flat_map(|(joint, _)| u16::try_from(*joint).unwrap_or(u16::MAX).to_ne_bytes());
         self.vertices.extend(joints);
-        let shares = weights.iter().flat_map(|(_, share)| ((share.clamp(0.0, 1.0) * 65535.0).round() as u16).to_ne_bytes());
+        let shares =
+            weights.iter().flat_map(|(_, share)| ((share.clamp(0.0, 1.0) * 65535.0).round() as u16).to_ne_bytes());
         self.vertices.extend(shares);
         self.count += 1;
     }
@@ -154,7 +155,12 @@ fn gather_shape(shape: &Shape) -> Gathered {
 
 impl Textures {
     /// Uploads a picture with all its smaller sizes; a white point for none.
-    pub(super) fn bind(&self, device: &wgpu::Device, queue: &wgpu::Queue, image: Option<&RgbaImage>) -> wgpu::BindGroup {
+    pub(super) fn bind(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        image: Option<&RgbaImage>,
+    ) -> wgpu::BindGroup {
         let white = RgbaImage::from_pixel(1, 1, image::Rgba([255; 4]));
         let image = image.filter(|image| image.width() > 0 && image.height() > 0).unwrap_or(&white);
         let mut levels = vec![image.clone()];
@@ -181,11 +187,8 @@ impl Textures {
         });
         for (number, level) in levels.iter().enumerate() {
             let place = wgpu::TexelCopyTextureInfo { mip_level: number as u32, ..texture.as_image_copy() };
-            let layout = wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(4 * level.width()),
-                rows_per_image: None,
-            };
+            let layout =
+                wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * level.width()), rows_per_image: None };
             queue.write_texture(place, level.as_raw(), layout, extent(level));
         }
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());

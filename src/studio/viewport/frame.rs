@@ -212,7 +212,11 @@ fn lamp(characters: &[(DVec3, f64)], origin: DVec3, camera: &Camera) -> Lamp {
     let snapped = DVec3::new((seen.x / texel).round() * texel, (seen.y / texel).round() * texel, seen.z);
     let view = DMat4::from_translation(-snapped) * turn * DMat4::from_translation(origin);
     let deep = radius + 3.0;
-    Lamp { toward, light_from_world: rh::proj::directx::orthographic(-radius, radius, -radius, radius, -deep, deep) * view, texel }
+    Lamp {
+        toward,
+        light_from_world: rh::proj::directx::orthographic(-radius, radius, -radius, radius, -deep, deep) * view,
+        texel,
+    }
 }
 
 #[cfg(test)]

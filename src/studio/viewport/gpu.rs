@@ -218,9 +218,9 @@ impl Pipelines {
         };
         let make = |way: &Way| {
             let buffers = way.buffer.map(|buffer| [Some(buffer.clone())]);
-            let target = way.fragment.map(|(_, blend, write_mask)| {
-                [Some(wgpu::ColorTargetState { format: COLOR, blend, write_mask })]
-            });
+            let target = way
+                .fragment
+                .map(|(_, blend, write_mask)| [Some(wgpu::ColorTargetState { format: COLOR, blend, write_mask })]);
             let in_picture = way.fragment.is_some();
             device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(way.label),
@@ -245,12 +245,17 @@ impl Pipelines {
                     stencil: wgpu::StencilState::default(),
                     bias: wgpu::DepthBiasState { constant: way.bias, slope_scale: 0.0, clamp: 0.0 },
                 }),
-                multisample: wgpu::MultisampleState { count: if in_picture { samples } else { 1 }, ..Default::default() },
-                fragment: way.fragment.as_ref().zip(target.as_ref()).map(|((entry, _, _), targets)| wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some(entry),
-                    compilation_options: Default::default(),
-                    targets,
+                multisample: wgpu::MultisampleState {
+                    count: if in_picture { samples } else { 1 },
+                    ..Default::default()
+                },
+                fragment: way.fragment.as_ref().zip(target.as_ref()).map(|((entry, _, _), targets)| {
+                    wgpu::FragmentState {
+                        module: &module,
+                        entry_point: Some(entry),
+                        compilation_options: Default::default(),
+                        targets,
+                    }
                 }),
                 multiview_mask: None,
                 cache: None,

@@ -180,8 +180,7 @@ impl View {
         });
         let mut draw_calls = 0;
         pass.set_bind_group(2, &self.shadow_bound, &[]);
-        let (opaque, ghosts): (Vec<&Call>, Vec<&Call>) =
-            calls.iter().partition(|call| call.drawn.flags & GHOST == 0);
+        let (opaque, ghosts): (Vec<&Call>, Vec<&Call>) = calls.iter().partition(|call| call.drawn.flags & GHOST == 0);
         pass.set_pipeline(&gpu.pipelines.mesh);
         for call in opaque {
             call.textured(&mut pass, scene);
