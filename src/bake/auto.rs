@@ -38,18 +38,22 @@ pub enum Fall {
 
 /// Bakes with the drive that does it better.
 pub(super) fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions, helped: Helped) -> Result<Baked, BakeError> {
-    let stepper = bake_by(rig, scenario, options, Drive::Stepper)?;
+    bake_by(rig, scenario, options, Drive::Stepper).map(|stepper| choose(stepper, rig, scenario, options, helped))
+}
+
+/// The stepper's clip of that scenario, or the ragdoll's where that is better.
+pub fn choose(stepper: Baked, rig: &Rig, scenario: &Scenario, options: &BakeOptions, helped: Helped) -> Baked {
     let unplayed = unplayed(scenario);
     if !unplayed.is_empty() {
-        return Ok(stepper.chosen(format!("the ragdoll cannot play {} yet", unplayed.join(", ")), None));
+        return stepper.chosen(format!("the ragdoll cannot play {} yet", unplayed.join(", ")), None);
     }
     let ragdoll = match bake_helped(rig, scenario, options, helped) {
         Ok(baked) => baked,
-        Err(error) => return Ok(stepper.chosen(format!("of the ragdoll, {error}"), None)),
+        Err(error) => return stepper.chosen(format!("of the ragdoll, {error}"), None),
     };
     let scores = (stepper.report.plausibility.score, ragdoll.report.plausibility.score);
     let stays = stroll(scenario, &ragdoll.performance) == Stroll::Never;
-    Ok(match (stepper.fall(), ragdoll.fall()) {
+    match (stepper.fall(), ragdoll.fall()) {
         (None, Some(_)) => stepper.chosen("the ragdoll falls".into(), Some(scores.1)),
         (Some(_), None) => ragdoll.chosen("the stepper falls".into(), Some(scores.0)),
         (Some(one), Some(other)) => {
@@ -64,7 +68,7 @@ pub(super) fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions, helped
         _ if touched(scenario) => ragdoll.chosen("things touch the body".into(), Some(scores.0)),
         _ if scores.1 > scores.0 => ragdoll.chosen("its clip is the more plausible".into(), Some(scores.0)),
         _ => stepper.chosen("its clip is the more plausible".into(), Some(scores.1)),
-    })
+    }
 }
 
 /// Bakes the articulated body's clip. Its help, where that is left to the tool, is more than the least with which the

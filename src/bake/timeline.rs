@@ -14,6 +14,7 @@ use crate::whole_body::reaction::{UPPER, UpperAngles, upper_turns};
 use crate::whole_body::solve::Solved;
 use crate::whole_body::{Anatomy, ArmAngles, FootTarget, PoseTarget, Solver};
 use glam::{DQuat, DVec3};
+use rayon::prelude::*;
 
 /// s, in which a fall's poses are joined to those before.
 const JOINED: f64 = 0.25;
@@ -125,10 +126,18 @@ impl Timeline {
         self.assemble(com, &upper, time)
     }
 
-    /// Poses at every entry, and what each solve reports.
+    /// Poses at every entry, and what each solve reports. An entry's is its own affair: within a pool of threads they are shared
+    /// out, and come out the same.
     pub fn solve_all(&self) -> Vec<Solved> {
-        let mut solver = Solver::new(&self.body, &self.anatomy);
-        (0..self.com.len()).map(|index| self.solved(&mut solver, &self.target(index), index as f64 * self.dt)).collect()
+        let solver = || Solver::new(&self.body, &self.anatomy);
+        let solve =
+            |solver: &mut Solver, index: usize| self.solved(solver, &self.target(index), index as f64 * self.dt);
+        if rayon::current_thread_index().is_some() {
+            (0..self.com.len()).into_par_iter().map_init(solver, solve).collect()
+        } else {
+            let mut solver = solver();
+            (0..self.com.len()).map(|index| solve(&mut solver, index)).collect()
+        }
     }
 
     /// The pose at any time.

@@ -110,6 +110,8 @@ impl eframe::App for Studio {
         }
         if self.state.playback.playing {
             ctx.request_repaint();
+        } else if self.state.is_busy() {
+            ctx.request_repaint_after_secs(0.05);
         } else if self.state.history.is_unsaved() {
             ctx.request_repaint_after_secs(1.0); // a copy is kept of what was done last
         }

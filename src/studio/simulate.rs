@@ -1,13 +1,14 @@
 //! The document's reaction, baked beside the window: the newest edit wins, and what was there stays until the next is done.
 //!
-//! Only scenarios without faults are asked for. Where the drive is left to the tool the stepper's clip is shown first, and the chosen one
-//! when it is there.
+//! Only scenarios without faults are asked for. Where the drive is left to the tool the stepper's clip is shown at once; whether the ragdoll
+//! does it better is another worker's question, asked when the person rests.
 
 use super::document::Document;
 use super::plots::{Series, series};
 use super::viewport::Tracks;
 use super::worker::{Reply, Wake, Worker};
-use crate::bake::{self, Baked, Base};
+use crate::bake::auto::choose;
+use crate::bake::{self, Baked, Base, Drive};
 use crate::batch::run::options;
 use crate::disk::{Failure, resolve};
 use crate::model::Role;
@@ -40,6 +41,8 @@ pub struct Shown {
     pub rig: Arc<Rig>,
     /// Every file that was read for it.
     pub files: Vec<PathBuf>,
+    /// The clip under the reaction.
+    pub base: Option<Arc<Base>>,
     /// The clip and all that is known of it.
     pub baked: Arc<Baked>,
     /// What is known of its balance at any time.
@@ -82,58 +85,68 @@ struct HeldRig {
     files: Vec<PathBuf>,
 }
 
-/// Starts the worker.
+/// Starts the worker that answers at once: with the stepper's clip where the drive is left to the tool.
 pub fn start(wake: Wake) -> Worker<Question, Answer> {
     let mut kept = Kept::default();
-    let work = move |question: Question, reply: &Reply<Answer>, stale: &dyn Fn() -> bool| {
-        if let Err(failure) = answer(&mut kept, &question, reply, stale) {
-            reply.give(Answer::Failed(question.edit, failure));
+    let pool = rayon::ThreadPoolBuilder::new().thread_name(|index| format!("bake {index}")).build().ok();
+    let work = move |question: Question, reply: &Reply<Answer>, _: &dyn Fn() -> bool| {
+        let mut answer = || match kept.answer(&question, reply) {
+            Ok(shown) => {
+                let curves = series(&shown.baked, &question.document.scenario, &shown.rig);
+                reply.give(Answer::Clip(Box::new(shown)));
+                reply.give(Answer::Curves(question.edit, Arc::new(curves)));
+            }
+            Err(failure) => reply.give(Answer::Failed(question.edit, failure)),
+        };
+        // In a pool the poses of one clip are shared out to the cores.
+        match &pool {
+            Some(pool) => pool.install(|| answer()),
+            None => answer(),
         }
-    };
-    let broke = |words: String| {
-        let message =
-            format!("the simulation broke down: {words}\n  help: this is a bug. Undo goes back; please report it");
-        Answer::Failed(u64::MAX, Failure::failed(message))
     };
     Worker::start("bake", wake, work, broke)
 }
 
-fn answer(
-    kept: &mut Kept,
-    question: &Question,
-    reply: &Reply<Answer>,
-    stale: &dyn Fn() -> bool,
-) -> Result<(), Failure> {
-    let Document { rig, bones, scenario, bake } = &question.document;
-    let (loaded, mut files) = kept.rig(rig, bones)?;
-    reply.give(Answer::Rig(Arc::clone(&loaded)));
-    let base = kept.base(&loaded, question)?;
-    files.extend(base.as_ref().map(|(file, _)| file.clone()));
-    let name = bake::safe_name(&scenario.title);
-    let give = |settings: &BakeSettings, last: bool| -> Result<Arc<Baked>, Failure> {
-        let base = base.as_ref().map(|(_, base)| Arc::clone(base));
-        let baked = bake::bake(&loaded, scenario, &options(settings, &name, base));
-        let baked = Arc::new(baked.map_err(|error| Failure::failed(error.to_string()))?);
-        let tracks = Arc::new(Tracks::new(&baked));
-        let (rig, files, took) = (Arc::clone(&loaded), files.clone(), question.asked.elapsed());
-        let shown = Shown { edit: question.edit, rig, files, baked: Arc::clone(&baked), tracks, last, took };
-        reply.give(Answer::Clip(Box::new(shown)));
-        Ok(baked)
+/// Starts the worker that looks whether the ragdoll does it better than a clip that is shown.
+pub fn start_choosing(wake: Wake) -> Worker<(Document, Shown), Answer> {
+    let work = |(document, shown): (Document, Shown), reply: &Reply<Answer>, _: &dyn Fn() -> bool| {
+        let Document { scenario, bake, .. } = &document;
+        let options = options(bake, &shown.baked.clip.name, shown.base.clone());
+        let Drive::Auto(helped) = options.drive else { return };
+        let stepper = Baked::clone(&shown.baked);
+        let chosen = Arc::new(choose(stepper, &shown.rig, scenario, &options, helped));
+        let tracks = Arc::new(Tracks::new(&chosen));
+        let curves = series(&chosen, scenario, &shown.rig);
+        let edit = shown.edit;
+        reply.give(Answer::Clip(Box::new(Shown { baked: chosen, tracks, last: true, ..shown })));
+        reply.give(Answer::Curves(edit, Arc::new(curves)));
     };
-    if bake.drive == "auto" {
-        give(&BakeSettings { drive: "stepper", ..bake.clone() }, false)?;
-        if stale() {
-            return Ok(());
-        }
-    }
-    let baked = give(bake, true)?;
-    if !stale() {
-        reply.give(Answer::Curves(question.edit, Arc::new(series(&baked, scenario, &loaded))));
-    }
-    Ok(())
+    Worker::start("choose", wake, work, broke)
+}
+
+fn broke(words: String) -> Answer {
+    let message = format!("the simulation broke down: {words}\n  help: this is a bug. Undo goes back; please report it");
+    Answer::Failed(u64::MAX, Failure::failed(message))
 }
 
 impl Kept {
+    fn answer(&mut self, question: &Question, reply: &Reply<Answer>) -> Result<Shown, Failure> {
+        let Document { rig, bones, scenario, bake } = &question.document;
+        let (rig, mut files) = self.rig(rig, bones)?;
+        reply.give(Answer::Rig(Arc::clone(&rig)));
+        let base = self.base(&rig, question)?;
+        files.extend(base.as_ref().map(|(file, _)| file.clone()));
+        let base = base.map(|(_, base)| base);
+        let name = bake::safe_name(&scenario.title);
+        let at_once = if bake.drive == "auto" { "stepper" } else { bake.drive };
+        let settings = BakeSettings { drive: at_once, ..bake.clone() };
+        let baked = bake::bake(&rig, scenario, &options(&settings, &name, base.clone()));
+        let baked = Arc::new(baked.map_err(|error| Failure::failed(error.to_string()))?);
+        let tracks = Arc::new(Tracks::new(&baked));
+        let (last, took) = (bake.drive != "auto", question.asked.elapsed());
+        Ok(Shown { edit: question.edit, rig, files, base, baked, tracks, last, took })
+    }
+
     fn rig(&mut self, path: &Path, bones: &Bones) -> Result<(Arc<Rig>, Vec<PathBuf>), Failure> {
         let overrides = path.with_extension("bones.toml");
         let at = [path, &overrides].map(|file| std::fs::metadata(file).and_then(|there| there.modified()).ok());

@@ -25,6 +25,9 @@ use std::time::{Duration, Instant};
 /// Unsaved work is kept at least this often.
 const KEPT_EVERY: Duration = Duration::from_millis(1000);
 
+/// Without an edit for so long the person rests.
+const RESTS: Duration = Duration::from_millis(250);
+
 /// A message for the person.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Message {
@@ -118,6 +121,9 @@ pub struct State {
     rig_for: Option<PathBuf>,
     crashed: Vec<(PathBuf, Unsaved)>,
     bake: Worker<Question, Answer>,
+    choose: Worker<(Document, Shown), Answer>,
+    /// When the clip came for which the ragdoll is still to be asked.
+    unchosen: Option<Instant>,
     files: Worker<Errand, Done>,
 }
 
@@ -151,6 +157,8 @@ impl State {
             rig_for: None,
             crashed: Vec::new(),
             bake: simulate::start(Arc::clone(&wake)),
+            choose: simulate::start_choosing(Arc::clone(&wake)),
+            unchosen: None,
             files: errands::start(wake, home),
         };
         state.files.ask(Errand::WakeUp);
@@ -178,12 +186,12 @@ impl State {
 
     /// Whether something is worked on.
     pub fn is_busy(&self) -> bool {
-        self.bake.is_busy() || self.files.is_busy()
+        self.bake.is_busy() || self.choose.is_busy() || self.files.is_busy() || self.unchosen.is_some()
     }
 
     /// A frame goes by: answers are taken, the playhead moves, the newest document is asked for.
     pub fn tick(&mut self, passed: f64) {
-        for answer in self.bake.answers() {
+        for answer in self.bake.answers().into_iter().chain(self.choose.answers()) {
             self.baked(answer);
         }
         for done in self.files.answers() {
@@ -191,6 +199,7 @@ impl State {
         }
         self.playback.advance(passed, self.duration());
         self.ask();
+        self.ask_ragdoll();
         self.keep();
         if self.asking.is_none()
             && let Some((copy, unsaved)) = self.crashed.pop()
@@ -210,17 +219,30 @@ impl State {
         if self.selected.is_some_and(|place| document.entry(place).is_none()) {
             self.selected = None;
         }
+        self.unchosen = None;
         if self.faults.is_empty() {
             self.edit += 1;
             self.bake.ask_only(Question { edit: self.edit, document, file: self.file.clone(), asked: Instant::now() });
         }
     }
 
+    /// Asks whether the ragdoll does it better, once the person rests: that takes longer than a drag waits.
+    fn ask_ragdoll(&mut self) {
+        let rested = self.unchosen.is_some_and(|came| came.elapsed() >= RESTS);
+        let asked = self.asked.as_ref() == Some(self.document());
+        if let Some(shown) = self.shown.as_ref().filter(|shown| rested && asked && shown.edit == self.edit && !shown.last) {
+            self.choose.ask_only((self.document().clone(), shown.clone()));
+            self.unchosen = None;
+        }
+    }
+
     fn baked(&mut self, answer: Answer) {
         match answer {
             Answer::Rig(rig) => self.rig = Some(rig),
+            Answer::Clip(shown) if shown.edit < self.shown.as_ref().map_or(0, |held| held.edit) => {}
             Answer::Clip(shown) => {
                 self.failure = None;
+                self.unchosen = (!shown.last).then(Instant::now);
                 self.rig = Some(Arc::clone(&shown.rig));
                 self.shown = Some(*shown);
                 self.playback.time = self.playback.time.min(self.duration());
