@@ -54,7 +54,7 @@ fn device(quality: Quality) -> Option<RenderState> {
     Some(state)
 }
 
-const FINE: Quality = Quality { samples: 4, shadow: 2048, most_pixels: 16e6 };
+const FINE: Quality = Quality::HARDWARE;
 
 /// A scene that owns what it shows.
 struct Shown {

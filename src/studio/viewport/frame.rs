@@ -105,23 +105,29 @@ struct Lamp {
     toward: DVec3,
     light_from_world: DMat4,
     texel: f64,
+    /// m, half of what the map shows across, and of its depth.
+    radius: f64,
+    deep: f64,
+    /// m, (x, z) from and to where shadows fall on the flat ground.
+    reach: [f64; 4],
 }
 
 impl Frame {
-    /// An empty one: sky and ground. `characters`: m, what throws shadows, as balls.
+    /// An empty one: sky and ground. `characters`: m, what throws shadows, as balls; `foot`: m, where the character stands
+    /// that no ground may hide.
     pub(super) fn new(
         camera: &Camera,
         size: [u32; 2],
         colors: &Colors,
         flat: bool,
-        characters: &[(DVec3, f64)],
+        (characters, foot): (&[(DVec3, f64)], Option<DVec3>),
     ) -> (Frame, DVec3) {
         let origin = camera.target().round() * DVec3::new(1.0, 0.0, 1.0);
         let across = f64::from(size[0]) / f64::from(size[1].max(1));
         let lamp = lamp(characters, origin, camera);
         let fades = 1.3 * camera.distance + 4.0;
         let [right, up, ahead] = camera.rays(across);
-        let mut scene = Vec::with_capacity(84);
+        let mut scene = Vec::with_capacity(96);
         for matrix in [camera.clip_from_world(origin, across), lamp.light_from_world] {
             scene.extend(matrix.to_cols_array().map(|value| value as f32));
         }
@@ -134,6 +140,10 @@ impl Frame {
         for color in colors.scene() {
             scene.extend([color[0], color[1], color[2], 0.0]);
         }
+        scene.extend(lamp.reach.map(|value| value as f32));
+        let (foot, cuts) = foot.map_or((DVec3::ZERO, 0.0), |foot| (foot - origin, 1.0));
+        scene.extend(foot.extend(cuts).to_array().map(|value| value as f32));
+        scene.extend([0.5 / lamp.radius, 0.5 / lamp.deep, 0.0, 0.0].map(|value| value as f32));
         let frame = Frame {
             size,
             scene,
@@ -212,7 +222,19 @@ fn lamp(characters: &[(DVec3, f64)], origin: DVec3, camera: &Camera) -> Lamp {
     let snapped = DVec3::new((seen.x / texel).round() * texel, (seen.y / texel).round() * texel, seen.z);
     let view = DMat4::from_translation(-snapped) * turn * DMat4::from_translation(origin);
     let deep = radius + 3.0;
-    Lamp { toward, light_from_world: rh::proj::directx::orthographic(-radius, radius, -radius, radius, -deep, deep) * view, texel }
+    // From the top of the ball down the light to the ground.
+    let fall = (middle.y + radius).max(0.0) / toward.y;
+    let ends = [middle - origin, middle - origin - toward * fall];
+    let low = ends[0].min(ends[1]) - radius - 0.1;
+    let high = ends[0].max(ends[1]) + radius + 0.1;
+    Lamp {
+        toward,
+        light_from_world: rh::proj::directx::orthographic(-radius, radius, -radius, radius, -deep, deep) * view,
+        texel,
+        radius,
+        deep,
+        reach: [low.x, low.z, high.x, high.z],
+    }
 }
 
 #[cfg(test)]
@@ -224,7 +246,7 @@ mod tests {
         let camera = Camera::default();
         let colors = Colors::of(true);
         let make = |camera: &Camera, at: DVec3| {
-            let (mut frame, origin) = Frame::new(camera, [64, 48], &colors, true, &[(at + DVec3::Y, 1.0)]);
+            let (mut frame, origin) = Frame::new(camera, [64, 48], &colors, true, (&[(at + DVec3::Y, 1.0)], None));
             frame.matrix(&DAffine3::from_translation(at), origin);
             frame
         };
