@@ -209,7 +209,8 @@ mod tests {
             "kind = \"gaps\"\nwidth = 0.2\nspacing = 1.1",
             "kind = \"platform\"\nroll = [[0, 0], [2, 12.3]]",
         ];
-        let mut texts: Vec<String> = grounds.iter().map(|ground| format!("title = \"a \\\"b\\\"\"\n[ground]\n{ground}\n")).collect();
+        let mut texts: Vec<String> =
+            grounds.iter().map(|ground| format!("title = \"a \\\"b\\\"\"\n[ground]\n{ground}\n")).collect();
         texts.push(every);
         texts.push("duration = 3\n[[push]]\nstart = 1\nduration = 0.1\nforce = 100\ntoward = -33.3\n[[push]]\nstart = 2\nduration = 0.1\nforce = 100\ntoward = [0.1, 0, -1]\n".into());
         for text in texts {

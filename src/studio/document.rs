@@ -2,11 +2,9 @@
 //!
 //! Panels read it and give [`Edit`]s. Times s, angles rad, forces N, scenario space.
 
-use crate::model::Scenario;
-use crate::model::scenario::{
-    Base, Carry, Character, Crouch, Direction, Feet, Ground, Push, Stand, Throw, Turn, Walk,
-};
 use crate::model::Role;
+use crate::model::Scenario;
+use crate::model::scenario::{Base, Carry, Character, Crouch, Direction, Feet, Ground, Push, Stand, Throw, Turn, Walk};
 use std::path::PathBuf;
 
 /// The document.
@@ -113,20 +111,12 @@ impl Lane {
             Lane::Turn => Entry::Turn(Turn { start, duration: None, facing: std::f64::consts::FRAC_PI_2 }),
             Lane::Crouch => Entry::Crouch(Crouch { start, duration: None, amount: 0.3 }),
             Lane::Stand => Entry::Stand(Stand { start, duration: None, on: Feet::Left }),
-            Lane::Push => Entry::Push(Push {
-                start,
-                duration: 0.2,
-                force: 250.0,
-                toward: Direction::Right,
-                at: Role::Chest,
-            }),
-            Lane::Pull => Entry::Pull(Push {
-                start,
-                duration: 2.0,
-                force: 60.0,
-                toward: Direction::Back,
-                at: Role::Hips,
-            }),
+            Lane::Push => {
+                Entry::Push(Push { start, duration: 0.2, force: 250.0, toward: Direction::Right, at: Role::Chest })
+            }
+            Lane::Pull => {
+                Entry::Pull(Push { start, duration: 2.0, force: 60.0, toward: Direction::Back, at: Role::Hips })
+            }
             Lane::Throw => Entry::Throw(Throw {
                 start,
                 count: 3,

@@ -1,6 +1,6 @@
 //! Rigs and shapes on the graphics card: uploaded once, one draw a material. Bind pose, metres.
 
-use super::frame::{Source, TEXTURED};
+use super::frame::Source;
 use crate::model::props::Shape;
 use crate::rig::{MeshPart, Rig};
 use eframe::wgpu::{self, util::DeviceExt};
@@ -27,8 +27,9 @@ pub(super) struct Material {
     pub(super) indices: std::ops::Range<u32>,
     /// Linear RGBA.
     pub(super) color: [f32; 4],
-    /// [`TEXTURED`] or 0.
-    pub(super) flags: u32,
+    /// Has a picture.
+    pub(super) textured: bool,
+    /// White where it has none.
     pub(super) texture: wgpu::BindGroup,
 }
 
@@ -52,7 +53,8 @@ impl Gathered {
         self.vertices.extend(floats.iter().flat_map(|value| (*value as f32).to_ne_bytes()));
         let joints = weights.iter().flat_map(|(joint, _)| u16::try_from(*joint).unwrap_or(u16::MAX).to_ne_bytes());
         self.vertices.extend(joints);
-        let shares = weights.iter().flat_map(|(_, share)| ((share.clamp(0.0, 1.0) * 65535.0).round() as u16).to_ne_bytes());
+        let shares =
+            weights.iter().flat_map(|(_, share)| ((share.clamp(0.0, 1.0) * 65535.0).round() as u16).to_ne_bytes());
         self.vertices.extend(shares);
         self.count += 1;
     }
@@ -104,7 +106,7 @@ impl Buffers {
             let image = texture.and_then(|index| images.get(index)).and_then(Option::as_ref);
             let texture = texture.filter(|_| image.is_some());
             let bound = uploaded.entry(texture).or_insert_with(|| textures.bind(device, queue, image)).clone();
-            Material { indices, color, flags: if image.is_some() { TEXTURED } else { 0 }, texture: bound }
+            Material { indices, color, textured: image.is_some(), texture: bound }
         };
         let mut materials: Vec<Material> =
             materials.into_iter().map(|(range, color, texture)| material(range, color, texture)).collect();
@@ -154,7 +156,12 @@ fn gather_shape(shape: &Shape) -> Gathered {
 
 impl Textures {
     /// Uploads a picture with all its smaller sizes; a white point for none.
-    pub(super) fn bind(&self, device: &wgpu::Device, queue: &wgpu::Queue, image: Option<&RgbaImage>) -> wgpu::BindGroup {
+    pub(super) fn bind(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        image: Option<&RgbaImage>,
+    ) -> wgpu::BindGroup {
         let white = RgbaImage::from_pixel(1, 1, image::Rgba([255; 4]));
         let image = image.filter(|image| image.width() > 0 && image.height() > 0).unwrap_or(&white);
         let mut levels = vec![image.clone()];
@@ -181,11 +188,8 @@ impl Textures {
         });
         for (number, level) in levels.iter().enumerate() {
             let place = wgpu::TexelCopyTextureInfo { mip_level: number as u32, ..texture.as_image_copy() };
-            let layout = wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(4 * level.width()),
-                rows_per_image: None,
-            };
+            let layout =
+                wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * level.width()), rows_per_image: None };
             queue.write_texture(place, level.as_raw(), layout, extent(level));
         }
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());

@@ -42,14 +42,7 @@ pub enum Side {
 
 impl Default for Camera {
     fn default() -> Camera {
-        Camera {
-            offset: DVec3::Y * 0.9,
-            yaw: 0.62,
-            pitch: 0.17,
-            distance: 4.4,
-            follows: true,
-            anchor: DVec3::ZERO,
-        }
+        Camera { offset: DVec3::Y * 0.9, yaw: 0.62, pitch: 0.17, distance: 4.4, follows: true, anchor: DVec3::ZERO }
     }
 }
 
@@ -170,12 +163,7 @@ impl Sight {
     /// Of a camera.
     pub fn new(camera: &Camera, rect: Rect) -> Sight {
         let across = f64::from(rect.width() / rect.height().max(1.0));
-        Sight {
-            rect,
-            eye: camera.eye(),
-            rays: camera.rays(across),
-            clip: camera.clip_from_world(DVec3::ZERO, across),
-        }
+        Sight { rect, eye: camera.eye(), rays: camera.rays(across), clip: camera.clip_from_world(DVec3::ZERO, across) }
     }
 
     /// Where a point of space is seen; `None` behind the eye.

@@ -12,12 +12,16 @@ use glam::dcamera::rh;
 use glam::{DAffine3, DMat4, DVec3};
 use std::sync::Arc;
 
-/// Draws with the picture of the material.
-pub(super) const TEXTURED: u32 = 1;
-/// Draws the ground's squares.
-pub(super) const SQUARES: u32 = 2;
-/// Shines through.
-pub(super) const GHOST: u32 = 4;
+/// How a mesh is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Lit, with the material's picture where it has one.
+    Solid,
+    /// Lit, with the ground's squares.
+    Ground,
+    /// Shines through and throws no shadow.
+    Ghost,
+}
 
 /// Floats of a matrix: three rows of four.
 pub(super) const MATRIX: usize = 12;
@@ -59,13 +63,11 @@ pub(super) struct Drawn {
     pub(super) source: Source,
     /// Its first matrix.
     pub(super) first: u32,
-    /// [`SQUARES`], [`GHOST`].
-    pub(super) flags: u32,
+    pub(super) kind: Kind,
     /// Linear RGBA, times the material's.
     pub(super) color: [f32; 4],
     /// Linear RGB and its share.
     pub(super) tint: [f32; 4],
-    pub(super) shadow: bool,
 }
 
 /// Where its triangles come from.
@@ -95,7 +97,7 @@ impl Source {
 
 impl PartialEq for Drawn {
     fn eq(&self, other: &Drawn) -> bool {
-        let all = |drawn: &Drawn| (drawn.source.key(), drawn.first, drawn.flags, drawn.color, drawn.tint, drawn.shadow);
+        let all = |drawn: &Drawn| (drawn.source.key(), drawn.first, drawn.kind, drawn.color, drawn.tint);
         all(self) == all(other)
     }
 }
@@ -169,10 +171,9 @@ impl Frame {
         self.drawn.push(Drawn {
             source: Source::Rig(rig.clone()),
             first,
-            flags: if ghost.is_some() { GHOST } else { 0 },
+            kind: if ghost.is_some() { Kind::Ghost } else { Kind::Solid },
             color: [1.0; 4],
             tint,
-            shadow: ghost.is_none(),
         });
     }
 
@@ -183,10 +184,9 @@ impl Frame {
         self.drawn.push(Drawn {
             source: Source::Shape(shape.clone()),
             first,
-            flags: if ground { SQUARES } else { 0 },
+            kind: if ground { Kind::Ground } else { Kind::Solid },
             color: [color[0], color[1], color[2], 1.0],
             tint: [0.0; 4],
-            shadow: !ground,
         });
     }
 

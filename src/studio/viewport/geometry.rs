@@ -149,14 +149,21 @@ pub(super) fn add_arrows(
 /// Adds what is drawn on the ground, the lowest first.
 pub(super) fn add_ground(frame: &mut Frame, marks: &Marks, show: &Show, colors: &Colors, origin: DVec3) {
     let mut pen = Pen { floats: &mut frame.decals, origin };
-    if show.regions && let Some(regions) = &marks.regions {
+    if show.regions
+        && let Some(regions) = &marks.regions
+    {
         let [inner, middle, outer] = REGIONS.map(linear);
         let strong = |region: Region| if regions.now == region { 1.6 } else { 1.0 };
         pen.band(&regions.sway, [0.0, 0.07], outer, [0.34 * strong(Region::Step), 0.0]);
         pen.fill(&regions.sway, middle, 0.20 * strong(Region::Sway));
         pen.band(&regions.sway, [-0.004, 0.004], outer, [0.8; 2]);
         pen.fill(&circle(regions.middle, regions.inner.max(0.006)), inner, 0.9);
-        pen.band(&circle(regions.middle, regions.inner.max(0.006)), [0.008, 0.012], inner, [0.5 * strong(Region::Rest); 2]);
+        pen.band(
+            &circle(regions.middle, regions.inner.max(0.006)),
+            [0.008, 0.012],
+            inner,
+            [0.5 * strong(Region::Rest); 2],
+        );
     }
     if show.support {
         let ink = linear(colors.ink);

@@ -68,12 +68,15 @@ pub(super) struct Layouts {
     pub(super) shadow: wgpu::BindGroupLayout,
     pub(super) blit: wgpu::BindGroupLayout,
     pub(super) shadow_sampler: wgpu::Sampler,
-    pub(super) blit_sampler: wgpu::Sampler,
+    /// Between points, and the nearest.
+    pub(super) blit_samplers: [wgpu::Sampler; 2],
 }
 
 /// One for each way of drawing.
 pub(super) struct Pipelines {
     pub(super) mesh: wgpu::RenderPipeline,
+    pub(super) mesh_textured: wgpu::RenderPipeline,
+    pub(super) mesh_ground: wgpu::RenderPipeline,
     pub(super) mesh_shadow: wgpu::RenderPipeline,
     pub(super) ghost_depth: wgpu::RenderPipeline,
     pub(super) ghost: wgpu::RenderPipeline,
@@ -185,13 +188,15 @@ impl Layouts {
             compare: Some(wgpu::CompareFunction::LessEqual),
             ..Default::default()
         });
-        let blit_sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("blit"),
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            ..Default::default()
+        let blit_samplers = [wgpu::FilterMode::Linear, wgpu::FilterMode::Nearest].map(|filter| {
+            device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("blit"),
+                mag_filter: filter,
+                min_filter: filter,
+                ..Default::default()
+            })
         });
-        Layouts { scene, shadow, blit: texture_layout(device), shadow_sampler, blit_sampler }
+        Layouts { scene, shadow, blit: texture_layout(device), shadow_sampler, blit_samplers }
     }
 }
 
@@ -242,9 +247,9 @@ impl Pipelines {
         };
         let make = |way: &Way| {
             let buffers = way.buffer.map(|buffer| [Some(buffer.clone())]);
-            let target = way.fragment.map(|(_, blend, write_mask)| {
-                [Some(wgpu::ColorTargetState { format: COLOR, blend, write_mask })]
-            });
+            let target = way
+                .fragment
+                .map(|(_, blend, write_mask)| [Some(wgpu::ColorTargetState { format: COLOR, blend, write_mask })]);
             let in_picture = way.fragment.is_some();
             device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(way.label),
@@ -263,12 +268,17 @@ impl Pipelines {
                     stencil: wgpu::StencilState::default(),
                     bias: wgpu::DepthBiasState { constant: way.bias, slope_scale: 0.0, clamp: 0.0 },
                 }),
-                multisample: wgpu::MultisampleState { count: if in_picture { quality.samples } else { 1 }, ..Default::default() },
-                fragment: way.fragment.as_ref().zip(target.as_ref()).map(|((entry, _, _), targets)| wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some(entry),
-                    compilation_options: options.clone(),
-                    targets,
+                multisample: wgpu::MultisampleState {
+                    count: if in_picture { quality.samples } else { 1 },
+                    ..Default::default()
+                },
+                fragment: way.fragment.as_ref().zip(target.as_ref()).map(|((entry, _, _), targets)| {
+                    wgpu::FragmentState {
+                        module: &module,
+                        entry_point: Some(entry),
+                        compilation_options: options.clone(),
+                        targets,
+                    }
                 }),
                 multiview_mask: None,
                 cache: None,
@@ -299,9 +309,11 @@ impl Pipelines {
         let over = Way { depth_write: false, compare: equal, ..mesh };
         Pipelines {
             mesh: make(&mesh),
+            mesh_textured: make(&Way { label: "textured", fragment: Some(("surface_textured", None, every)), ..mesh }),
+            mesh_ground: make(&Way { label: "squares", fragment: Some(("surface_ground", None, every)), ..mesh }),
             mesh_shadow: make(&Way { label: "mesh shadow", vertex: "skinned_shadow", fragment: None, ..mesh }),
-            ghost_depth: make(&Way { label: "ghost depth", fragment: Some(("surface", None, hidden)), ..mesh }),
-            ghost: make(&Way { label: "ghost", fragment: Some(("surface", blends, every)), ..over }),
+            ghost_depth: make(&Way { label: "ghost depth", fragment: Some(("surface_ghost", None, hidden)), ..mesh }),
+            ghost: make(&Way { label: "ghost", fragment: Some(("surface_ghost", blends, every)), ..over }),
             loose: make(&solid),
             loose_shadow: make(&Way { label: "loose shadow", vertex: "loose_shadow", fragment: None, ..solid }),
             pale_depth: make(&Way { label: "pale depth", fragment: Some(("flat_color", None, hidden)), ..solid }),

@@ -129,7 +129,8 @@ impl Tracks {
         let soles: Vec<SoleMark> = held.iter().map(|(_, mark)| turned(mark)).collect();
         let floor = |contact: &FootContact| (turn * contact.plant.ankle).y;
         let lowest = held.iter().map(|(contact, _)| floor(contact)).fold(f64::INFINITY, f64::min);
-        let before = self.contacts.iter().filter(|(contact, _)| contact.start <= time).map(|(contact, _)| floor(contact));
+        let before =
+            self.contacts.iter().filter(|(contact, _)| contact.start <= time).map(|(contact, _)| floor(contact));
         let ground = if lowest.is_finite() { lowest } else { before.last().unwrap_or(0.0) };
         let corners: Vec<DVec3> = soles.iter().flat_map(|mark| mark.held.iter().copied()).collect();
         let support = hull_on(&corners);
@@ -161,9 +162,8 @@ impl Tracks {
 
     /// What pushes at a time, where it does.
     fn acting(&self, time: f64) -> Vec<Push> {
-        let acts = |(push, _): &&(KnownPush, Vec<DVec3>)| {
-            push.start <= time && time <= push.end && push.force.length() > 1e-6
-        };
+        let acts =
+            |(push, _): &&(KnownPush, Vec<DVec3>)| push.start <= time && time <= push.end && push.force.length() > 1e-6;
         let at = |(push, points): &(KnownPush, Vec<DVec3>)| {
             let place = ((time - push.start) / self.dt.max(1e-9)).clamp(0.0, 1e6);
             let index = (place as usize).min(points.len().checked_sub(1)?);
@@ -184,13 +184,7 @@ impl Tracks {
         flat(com) + velocity / rate((com.y - ground).max(0.05)).max(0.1 * GRAVITY.sqrt())
     }
 
-    fn regions(
-        &self,
-        held: &[&(FootContact, SoleMark)],
-        turn: DQuat,
-        support: &[DVec3],
-        xi: DVec2,
-    ) -> Option<Regions> {
+    fn regions(&self, held: &[&(FootContact, SoleMark)], turn: DQuat, support: &[DVec3], xi: DVec2) -> Option<Regions> {
         if held.is_empty() || support.len() < 3 {
             return None;
         }

@@ -152,7 +152,11 @@ impl Show {
             (&mut self.xi, "Extrapolated centre of mass", "ξ: where it would come to rest over a foot"),
             (&mut self.cop, "Centre of pressure", "Where the ground pushes back"),
             (&mut self.support, "Support polygon", "The hull of the soles that hold"),
-            (&mut self.regions, "Regions", "ξ in the green: nothing to do. In the yellow: the ankles hold. In the red: a step"),
+            (
+                &mut self.regions,
+                "Regions",
+                "ξ in the green: nothing to do. In the yellow: the ankles hold. In the red: a step",
+            ),
             (&mut self.forces, "Forces", "Pushes, pulls and hits as they act"),
             (&mut self.trail, "Trail", "The way of the centre of mass"),
             (&mut self.ghost, "Ghost", "The figure to compare with"),
@@ -190,7 +194,8 @@ impl Seen<'_> {
 impl Viewport {
     /// Shows a scene in all the room there is; a push by hand, if there is one.
     pub fn ui(&mut self, ui: &mut Ui, scene: &Scene) -> Option<Grip> {
-        let (rect, response) = ui.allocate_exact_size(ui.available_size().max(Vec2::splat(8.0)), Sense::click_and_drag());
+        let (rect, response) =
+            ui.allocate_exact_size(ui.available_size().max(Vec2::splat(8.0)), Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, "Viewport"));
         let seen = seen(scene);
         let character = seen.iter().find(|seen| !seen.ghost).or(seen.first());

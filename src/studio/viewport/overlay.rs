@@ -1,10 +1,10 @@
 //! What is painted flat over the picture: marks that stay legible, the push in hand, the menu of what is shown. Points.
 
+use super::Show;
 use super::camera::Sight;
 use super::colors::Colors;
 use super::geometry::ground;
 use super::marks::Marks;
-use super::Show;
 use crate::picture::marks::{COP, PUSH, XI};
 use eframe::egui::{self, Align2, Color32, FontId, Pos2, Shape, Stroke, Vec2};
 use glam::DVec3;
@@ -17,7 +17,9 @@ fn ink([red, green, blue]: [u8; 3], alpha: f32) -> Color32 {
 /// Centre of mass with its plumb line, ξ, centre of pressure.
 pub(super) fn points(painter: &egui::Painter, sight: &Sight, marks: &Marks, show: &Show, colors: &Colors) {
     let on_ground = |at: Option<glam::DVec2>| at.and_then(|at| sight.project(ground(at, marks.ground)));
-    if show.com && let Some(com) = marks.overlay.com {
+    if show.com
+        && let Some(com) = marks.overlay.com
+    {
         let below = sight.project(DVec3::new(com.x, marks.ground, com.z));
         if let (Some(point), Some(below)) = (sight.project(com), below) {
             painter.extend(Shape::dashed_line(&[point, below], Stroke::new(2.6, ink(colors.halo, 0.45)), 4.0, 3.0));
@@ -26,11 +28,15 @@ pub(super) fn points(painter: &egui::Painter, sight: &Sight, marks: &Marks, show
             quartered(painter, point, 7.0);
         }
     }
-    if show.cop && let Some(point) = on_ground(marks.overlay.cop) {
+    if show.cop
+        && let Some(point) = on_ground(marks.overlay.cop)
+    {
         painter.circle_filled(point, 5.0, ink([20, 22, 26], 0.95));
         painter.circle_filled(point, 3.3, ink(COP, 1.0));
     }
-    if show.xi && let Some(point) = on_ground(marks.overlay.xi) {
+    if show.xi
+        && let Some(point) = on_ground(marks.overlay.xi)
+    {
         painter.circle_stroke(point, 5.5, Stroke::new(4.2, ink([255, 255, 255], 0.85)));
         for arm in [Vec2::new(8.5, 0.0), Vec2::new(0.0, 8.5)] {
             painter.line_segment([point - arm, point + arm], Stroke::new(1.6, ink(XI, 0.95)));

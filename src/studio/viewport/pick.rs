@@ -38,9 +38,25 @@ fn grabbed(role: Role) -> bool {
     use Role::*;
     matches!(
         role,
-        Hips | Spine | Chest | UpperChest | Neck | Head | LeftShoulder | RightShoulder | LeftUpperArm | RightUpperArm
-            | LeftLowerArm | RightLowerArm | LeftHand | RightHand | LeftUpperLeg | RightUpperLeg | LeftLowerLeg
-            | RightLowerLeg | LeftFoot | RightFoot
+        Hips | Spine
+            | Chest
+            | UpperChest
+            | Neck
+            | Head
+            | LeftShoulder
+            | RightShoulder
+            | LeftUpperArm
+            | RightUpperArm
+            | LeftLowerArm
+            | RightLowerArm
+            | LeftHand
+            | RightHand
+            | LeftUpperLeg
+            | RightUpperLeg
+            | LeftLowerLeg
+            | RightLowerLeg
+            | LeftFoot
+            | RightFoot
     )
 }
 

@@ -1,6 +1,6 @@
 //! One viewport's own picture on the graphics card: its targets, what changes each frame, and the passes.
 
-use super::frame::{Drawn, Frame, GHOST, LOOSE, MATRIX};
+use super::frame::{Drawn, Frame, Kind, LOOSE, MATRIX};
 use super::gpu::{Blits, COLOR, DEPTH, Gpu, Quality, RAW};
 use eframe::wgpu;
 
@@ -72,8 +72,8 @@ impl View {
     /// Of its `Draw`.
     pub(super) const DRAW_BYTES: u64 = 48;
 
-    /// Targets of a size.
-    pub(super) fn new(device: &wgpu::Device, gpu: &Gpu, size: [u32; 2]) -> View {
+    /// Targets of a size. `exact`: it is the window's, so that no point lies between its own.
+    pub(super) fn new(device: &wgpu::Device, gpu: &Gpu, size: [u32; 2], exact: bool) -> View {
         let Quality { samples, shadow, .. } = gpu.quality;
         let target = |label, [width, height]: [u32; 2], samples, format, read: bool| {
             let read = if read { wgpu::TextureUsages::TEXTURE_BINDING } else { wgpu::TextureUsages::empty() };
@@ -116,7 +116,7 @@ impl View {
             size,
             depth: view(&target("depth", size, samples, DEPTH, false)),
             shadow_bound: bound(&layouts.shadow, &shadow, &layouts.shadow_sampler),
-            blit_bound: bound(&layouts.blit, &finished, &layouts.blit_sampler),
+            blit_bound: bound(&layouts.blit, &finished, &layouts.blit_samplers[usize::from(exact)]),
             color: view(&color),
             resolved: resolved.as_ref().map(view),
             shadow,
@@ -162,7 +162,7 @@ impl View {
                 ..Default::default()
             });
             pass.set_pipeline(&gpu.pipelines.mesh_shadow);
-            for call in calls.iter().filter(|call| call.drawn.shadow) {
+            for call in calls.iter().filter(|call| call.drawn.kind == Kind::Solid) {
                 call.mesh(&mut pass, scene);
             }
             if !solid.is_empty() {
@@ -188,12 +188,17 @@ impl View {
         });
         let mut draw_calls = 0;
         pass.set_bind_group(2, &self.shadow_bound, &[]);
-        let (opaque, ghosts): (Vec<&Call>, Vec<&Call>) =
-            calls.iter().partition(|call| call.drawn.flags & GHOST == 0);
-        pass.set_pipeline(&gpu.pipelines.mesh);
-        for call in opaque {
-            call.textured(&mut pass, scene);
-            draw_calls += 1;
+        let pipelines = &gpu.pipelines;
+        for (pipeline, kind, textured) in [
+            (&pipelines.mesh, Kind::Solid, false),
+            (&pipelines.mesh_textured, Kind::Solid, true),
+            (&pipelines.mesh_ground, Kind::Ground, false),
+        ] {
+            pass.set_pipeline(pipeline);
+            for call in calls.iter().filter(|call| (call.drawn.kind, call.material.textured) == (kind, textured)) {
+                call.textured(&mut pass, scene);
+                draw_calls += 1;
+            }
         }
         pass.set_bind_group(0, scene, &[0]);
         pass.set_bind_group(1, &gpu.white, &[]);
@@ -219,7 +224,7 @@ impl View {
         loose(&mut pass, &gpu.pipelines.pale, pale);
         for pipeline in [&gpu.pipelines.ghost_depth, &gpu.pipelines.ghost] {
             pass.set_pipeline(pipeline);
-            for call in &ghosts {
+            for call in calls.iter().filter(|call| call.drawn.kind == Kind::Ghost) {
                 call.textured(&mut pass, scene);
                 draw_calls += 1;
             }
@@ -255,8 +260,7 @@ impl View {
                 let color: [f32; 4] = std::array::from_fn(|at| drawn.color[at] * material.color[at]);
                 draws.extend(bytes(&color));
                 draws.extend(bytes(&drawn.tint));
-                let flags = drawn.flags | material.flags;
-                draws.extend([drawn.first, flags, 0, 0].iter().flat_map(|number| number.to_ne_bytes()));
+                draws.extend([drawn.first, 0, 0, 0].iter().flat_map(|number| number.to_ne_bytes()));
                 draws.resize(offset as usize + DRAW_STRIDE as usize, 0);
                 calls.push(Call { drawn, buffers, material, offset });
             }
