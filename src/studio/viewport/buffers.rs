@@ -1,6 +1,6 @@
 //! Rigs and shapes on the graphics card: uploaded once, one draw a material. Bind pose, metres.
 
-use super::frame::{Source, TEXTURED};
+use super::frame::Source;
 use crate::model::props::Shape;
 use crate::rig::{MeshPart, Rig};
 use eframe::wgpu::{self, util::DeviceExt};
@@ -27,8 +27,9 @@ pub(super) struct Material {
     pub(super) indices: std::ops::Range<u32>,
     /// Linear RGBA.
     pub(super) color: [f32; 4],
-    /// [`TEXTURED`] or 0.
-    pub(super) flags: u32,
+    /// Has a picture.
+    pub(super) textured: bool,
+    /// White where it has none.
     pub(super) texture: wgpu::BindGroup,
 }
 
@@ -105,7 +106,7 @@ impl Buffers {
             let image = texture.and_then(|index| images.get(index)).and_then(Option::as_ref);
             let texture = texture.filter(|_| image.is_some());
             let bound = uploaded.entry(texture).or_insert_with(|| textures.bind(device, queue, image)).clone();
-            Material { indices, color, flags: if image.is_some() { TEXTURED } else { 0 }, texture: bound }
+            Material { indices, color, textured: image.is_some(), texture: bound }
         };
         let mut materials: Vec<Material> =
             materials.into_iter().map(|(range, color, texture)| material(range, color, texture)).collect();

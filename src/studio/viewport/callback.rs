@@ -7,6 +7,9 @@ use eframe::egui::PaintCallbackInfo;
 use eframe::egui_wgpu::{CallbackResources, CallbackTrait, RenderState, ScreenDescriptor};
 use eframe::wgpu;
 
+/// Viewports whose pictures are kept.
+const MOST_VIEWS: usize = 8;
+
 /// Makes what the viewport needs on the graphics card. Once, when the window opens; without it viewports stay empty.
 pub fn install(state: &RenderState) {
     install_with(state, None);
@@ -47,9 +50,12 @@ impl CallbackTrait for Callback {
         for source in sources {
             gpu.mesh(device, queue, source);
         }
+        if gpu.views.len() > MOST_VIEWS {
+            gpu.views.clear(); // of viewports that are long gone
+        }
         let size = fitted(self.frame.size, gpu.quality.most_pixels, device.limits().max_texture_dimension_2d);
         let before = gpu.views.remove(&self.id).filter(|view| view.fits(size));
-        let mut view = before.unwrap_or_else(|| View::new(device, gpu, size));
+        let mut view = before.unwrap_or_else(|| View::new(device, gpu, size, size == self.frame.size));
         view.draw(device, queue, encoder, gpu, &self.frame);
         gpu.views.insert(self.id, view);
         Vec::new()

@@ -12,12 +12,16 @@ use glam::dcamera::rh;
 use glam::{DAffine3, DMat4, DVec3};
 use std::sync::Arc;
 
-/// Draws with the picture of the material.
-pub(super) const TEXTURED: u32 = 1;
-/// Draws the ground's squares.
-pub(super) const SQUARES: u32 = 2;
-/// Shines through.
-pub(super) const GHOST: u32 = 4;
+/// How a mesh is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Lit, with the material's picture where it has one.
+    Solid,
+    /// Lit, with the ground's squares.
+    Ground,
+    /// Shines through and throws no shadow.
+    Ghost,
+}
 
 /// Floats of a matrix: three rows of four.
 pub(super) const MATRIX: usize = 12;
@@ -59,13 +63,11 @@ pub(super) struct Drawn {
     pub(super) source: Source,
     /// Its first matrix.
     pub(super) first: u32,
-    /// [`SQUARES`], [`GHOST`].
-    pub(super) flags: u32,
+    pub(super) kind: Kind,
     /// Linear RGBA, times the material's.
     pub(super) color: [f32; 4],
     /// Linear RGB and its share.
     pub(super) tint: [f32; 4],
-    pub(super) shadow: bool,
 }
 
 /// Where its triangles come from.
@@ -95,7 +97,7 @@ impl Source {
 
 impl PartialEq for Drawn {
     fn eq(&self, other: &Drawn) -> bool {
-        let all = |drawn: &Drawn| (drawn.source.key(), drawn.first, drawn.flags, drawn.color, drawn.tint, drawn.shadow);
+        let all = |drawn: &Drawn| (drawn.source.key(), drawn.first, drawn.kind, drawn.color, drawn.tint);
         all(self) == all(other)
     }
 }
@@ -105,23 +107,29 @@ struct Lamp {
     toward: DVec3,
     light_from_world: DMat4,
     texel: f64,
+    /// m, half of what the map shows across, and of its depth.
+    radius: f64,
+    deep: f64,
+    /// m, (x, z) from and to where shadows fall on the flat ground.
+    reach: [f64; 4],
 }
 
 impl Frame {
-    /// An empty one: sky and ground. `characters`: m, what throws shadows, as balls.
+    /// An empty one: sky and ground. `characters`: m, what throws shadows, as balls; `foot`: m, where the character stands
+    /// that no ground may hide.
     pub(super) fn new(
         camera: &Camera,
         size: [u32; 2],
         colors: &Colors,
         flat: bool,
-        characters: &[(DVec3, f64)],
+        (characters, foot): (&[(DVec3, f64)], Option<DVec3>),
     ) -> (Frame, DVec3) {
         let origin = camera.target().round() * DVec3::new(1.0, 0.0, 1.0);
         let across = f64::from(size[0]) / f64::from(size[1].max(1));
         let lamp = lamp(characters, origin, camera);
         let fades = 1.3 * camera.distance + 4.0;
         let [right, up, ahead] = camera.rays(across);
-        let mut scene = Vec::with_capacity(84);
+        let mut scene = Vec::with_capacity(96);
         for matrix in [camera.clip_from_world(origin, across), lamp.light_from_world] {
             scene.extend(matrix.to_cols_array().map(|value| value as f32));
         }
@@ -134,6 +142,10 @@ impl Frame {
         for color in colors.scene() {
             scene.extend([color[0], color[1], color[2], 0.0]);
         }
+        scene.extend(lamp.reach.map(|value| value as f32));
+        let (foot, cuts) = foot.map_or((DVec3::ZERO, 0.0), |foot| (foot - origin, 1.0));
+        scene.extend(foot.extend(cuts).to_array().map(|value| value as f32));
+        scene.extend([0.5 / lamp.radius, 0.5 / lamp.deep, 0.0, 0.0].map(|value| value as f32));
         let frame = Frame {
             size,
             scene,
@@ -159,10 +171,9 @@ impl Frame {
         self.drawn.push(Drawn {
             source: Source::Rig(rig.clone()),
             first,
-            flags: if ghost.is_some() { GHOST } else { 0 },
+            kind: if ghost.is_some() { Kind::Ghost } else { Kind::Solid },
             color: [1.0; 4],
             tint,
-            shadow: ghost.is_none(),
         });
     }
 
@@ -173,10 +184,9 @@ impl Frame {
         self.drawn.push(Drawn {
             source: Source::Shape(shape.clone()),
             first,
-            flags: if ground { SQUARES } else { 0 },
+            kind: if ground { Kind::Ground } else { Kind::Solid },
             color: [color[0], color[1], color[2], 1.0],
             tint: [0.0; 4],
-            shadow: !ground,
         });
     }
 
@@ -212,10 +222,24 @@ fn lamp(characters: &[(DVec3, f64)], origin: DVec3, camera: &Camera) -> Lamp {
     let snapped = DVec3::new((seen.x / texel).round() * texel, (seen.y / texel).round() * texel, seen.z);
     let view = DMat4::from_translation(-snapped) * turn * DMat4::from_translation(origin);
     let deep = radius + 3.0;
+<<<<<<< HEAD
+=======
+    // From the top of the ball down the light to the ground.
+    let fall = (middle.y + radius).max(0.0) / toward.y;
+    let ends = [middle - origin, middle - origin - toward * fall];
+    let low = ends[0].min(ends[1]) - radius - 0.1;
+    let high = ends[0].max(ends[1]) + radius + 0.1;
+>>>>>>> view
     Lamp {
         toward,
         light_from_world: rh::proj::directx::orthographic(-radius, radius, -radius, radius, -deep, deep) * view,
         texel,
+<<<<<<< HEAD
+=======
+        radius,
+        deep,
+        reach: [low.x, low.z, high.x, high.z],
+>>>>>>> view
     }
 }
 
@@ -228,7 +252,7 @@ mod tests {
         let camera = Camera::default();
         let colors = Colors::of(true);
         let make = |camera: &Camera, at: DVec3| {
-            let (mut frame, origin) = Frame::new(camera, [64, 48], &colors, true, &[(at + DVec3::Y, 1.0)]);
+            let (mut frame, origin) = Frame::new(camera, [64, 48], &colors, true, (&[(at + DVec3::Y, 1.0)], None));
             frame.matrix(&DAffine3::from_translation(at), origin);
             frame
         };

@@ -124,9 +124,7 @@ pub(super) fn add_figure(frame: &mut Frame, body: &Body, pose: &BodyPose, ghost:
 pub(super) fn arrow_ends(push: &Push, body: &Body, pose: &BodyPose, positions: &[DVec3]) -> (DVec3, DVec3) {
     let along = push.force.normalize_or(DVec3::X);
     let stature = (body.height / 1.75).clamp(0.4, 2.5);
-    let nearest = (0..positions.len())
-        .min_by(|a, b| positions[*a].distance(push.point).total_cmp(&positions[*b].distance(push.point)));
-    let reach = nearest.map_or(0.05, |joint| pick::reach(body, &pose.turns, joint, -along));
+    let reach = pick::reach(body, &pose.turns, positions, push.point, -along);
     let tip = push.point - along * (reach + 0.015);
     (tip - along * arrow_length(push.force.length()) * stature, tip)
 }

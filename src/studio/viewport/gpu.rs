@@ -11,8 +11,21 @@ use std::collections::BTreeMap;
 
 /// Of the picture before it goes to the window.
 pub(super) const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+/// The same bytes, read as they are.
+pub(super) const RAW: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// Of its depth, and of the shadow's.
 pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// How the picture gets to the window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Blits {
+    /// Its bytes as they are.
+    Raw,
+    /// As light, encoded by the shader.
+    Encoded,
+    /// As light; the window encodes.
+    Light,
+}
 
 /// How finely it is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,18 +36,21 @@ pub struct Quality {
     pub shadow: u32,
     /// px, a picture with more is drawn smaller and stretched.
     pub most_pixels: f64,
+    /// Shadows blur with the distance of what throws them.
+    pub soft: bool,
 }
 
 impl Quality {
     /// For a graphics card.
-    pub const HARDWARE: Quality = Quality { samples: 4, shadow: 2048, most_pixels: 16e6 };
+    pub const HARDWARE: Quality = Quality { samples: 4, shadow: 1024, most_pixels: 16e6, soft: true };
     /// For a processor that plays one.
-    pub const SOFTWARE: Quality = Quality { samples: 1, shadow: 768, most_pixels: 1.1e6 };
+    pub const SOFTWARE: Quality = Quality { samples: 1, shadow: 640, most_pixels: 1.1e6, soft: false };
 }
 
 /// All of it.
 pub(super) struct Gpu {
     pub(super) quality: Quality,
+    pub(super) blits: Blits,
     pub(super) layouts: Layouts,
     pub(super) pipelines: Pipelines,
     pub(super) textures: Textures,
@@ -52,20 +68,25 @@ pub(super) struct Layouts {
     pub(super) shadow: wgpu::BindGroupLayout,
     pub(super) blit: wgpu::BindGroupLayout,
     pub(super) shadow_sampler: wgpu::Sampler,
-    pub(super) blit_sampler: wgpu::Sampler,
+    /// Between points, and the nearest.
+    pub(super) blit_samplers: [wgpu::Sampler; 2],
 }
 
 /// One for each way of drawing.
 pub(super) struct Pipelines {
     pub(super) mesh: wgpu::RenderPipeline,
+    pub(super) mesh_textured: wgpu::RenderPipeline,
+    pub(super) mesh_ground: wgpu::RenderPipeline,
     pub(super) mesh_shadow: wgpu::RenderPipeline,
     pub(super) ghost_depth: wgpu::RenderPipeline,
     pub(super) ghost: wgpu::RenderPipeline,
     pub(super) loose: wgpu::RenderPipeline,
     pub(super) loose_shadow: wgpu::RenderPipeline,
+    pub(super) pale_depth: wgpu::RenderPipeline,
     pub(super) pale: wgpu::RenderPipeline,
     pub(super) decal: wgpu::RenderPipeline,
     pub(super) ground: wgpu::RenderPipeline,
+    pub(super) ground_bare: wgpu::RenderPipeline,
     pub(super) sky: wgpu::RenderPipeline,
     pub(super) blit: wgpu::RenderPipeline,
 }
@@ -90,9 +111,15 @@ impl Gpu {
             })
         };
         let textures = Textures { layout: texture_layout(device), sampler: linear("skin", true) };
-        let pipelines = Pipelines::new(device, &layouts, &textures, quality.samples, state.target_format);
+        let views = wgpu::DownlevelFlags::VIEW_FORMATS;
+        let blits = match state.target_format.is_srgb() {
+            true => Blits::Light,
+            false if state.adapter.get_downlevel_capabilities().flags.contains(views) => Blits::Raw,
+            false => Blits::Encoded,
+        };
+        let pipelines = Pipelines::new(device, (&layouts, &textures), quality, (state.target_format, blits));
         let white = textures.bind(device, &state.queue, None);
-        Gpu { quality, layouts, pipelines, textures, white, meshes: BTreeMap::new(), views: BTreeMap::new() }
+        Gpu { quality, blits, layouts, pipelines, textures, white, meshes: BTreeMap::new(), views: BTreeMap::new() }
     }
 
     /// What of a source is on the card; uploads it where it is not yet.
@@ -161,13 +188,15 @@ impl Layouts {
             compare: Some(wgpu::CompareFunction::LessEqual),
             ..Default::default()
         });
-        let blit_sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("blit"),
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            ..Default::default()
+        let blit_samplers = [wgpu::FilterMode::Linear, wgpu::FilterMode::Nearest].map(|filter| {
+            device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("blit"),
+                mag_filter: filter,
+                min_filter: filter,
+                ..Default::default()
+            })
         });
-        Layouts { scene, shadow, blit: texture_layout(device), shadow_sampler, blit_sampler }
+        Layouts { scene, shadow, blit: texture_layout(device), shadow_sampler, blit_samplers }
     }
 }
 
@@ -181,17 +210,17 @@ struct Way<'a> {
     depth_write: bool,
     compare: wgpu::CompareFunction,
     bias: i32,
-    strip: bool,
 }
 
 impl Pipelines {
     fn new(
         device: &wgpu::Device,
-        layouts: &Layouts,
-        textures: &Textures,
-        samples: u32,
-        window: wgpu::TextureFormat,
+        (layouts, textures): (&Layouts, &Textures),
+        quality: Quality,
+        window: (wgpu::TextureFormat, Blits),
     ) -> Pipelines {
+        let soft = [("soft", f64::from(u8::from(quality.soft)))];
+        let options = wgpu::PipelineCompilationOptions { constants: &soft, ..Default::default() };
         let source = |text: &'static str| wgpu::ShaderSource::Wgsl(text.into());
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("scene"),
@@ -231,13 +260,7 @@ impl Pipelines {
                     compilation_options: Default::default(),
                     buffers: buffers.as_ref().map_or(&[], |buffers| buffers.as_slice()),
                 },
-                primitive: wgpu::PrimitiveState {
-                    topology: match way.strip {
-                        true => wgpu::PrimitiveTopology::TriangleStrip,
-                        false => wgpu::PrimitiveTopology::TriangleList,
-                    },
-                    ..Default::default()
-                },
+                primitive: wgpu::PrimitiveState::default(),
                 depth_stencil: Some(wgpu::DepthStencilState {
                     format: DEPTH,
                     depth_write_enabled: Some(way.depth_write),
@@ -246,14 +269,22 @@ impl Pipelines {
                     bias: wgpu::DepthBiasState { constant: way.bias, slope_scale: 0.0, clamp: 0.0 },
                 }),
                 multisample: wgpu::MultisampleState {
+<<<<<<< HEAD
                     count: if in_picture { samples } else { 1 },
+=======
+                    count: if in_picture { quality.samples } else { 1 },
+>>>>>>> view
                     ..Default::default()
                 },
                 fragment: way.fragment.as_ref().zip(target.as_ref()).map(|((entry, _, _), targets)| {
                     wgpu::FragmentState {
                         module: &module,
                         entry_point: Some(entry),
+<<<<<<< HEAD
                         compilation_options: Default::default(),
+=======
+                        compilation_options: options.clone(),
+>>>>>>> view
                         targets,
                     }
                 }),
@@ -272,25 +303,36 @@ impl Pipelines {
             depth_write: true,
             compare: less,
             bias: 0,
-            strip: false,
         };
         let solid = Way { label: "loose", vertex: "loose", buffer: Some(&loose), ..mesh };
         let solid = Way { fragment: Some(("surface_loose", None, every)), ..solid };
-        let pipelines = [
-            make(&mesh),
-            make(&Way { label: "mesh shadow", vertex: "skinned_shadow", fragment: None, ..mesh }),
-            make(&Way { label: "ghost depth", fragment: Some(("surface", None, wgpu::ColorWrites::empty())), ..mesh }),
-            make(&Way {
-                label: "ghost",
-                fragment: Some(("surface", blends, every)),
+        let hidden = wgpu::ColorWrites::empty();
+        let ground = Way {
+            label: "ground",
+            vertex: "ground",
+            buffer: None,
+            fragment: Some(("ground_color", None, every)),
+            ..mesh
+        };
+        let over = Way { depth_write: false, compare: equal, ..mesh };
+        Pipelines {
+            mesh: make(&mesh),
+            mesh_textured: make(&Way { label: "textured", fragment: Some(("surface_textured", None, every)), ..mesh }),
+            mesh_ground: make(&Way { label: "squares", fragment: Some(("surface_ground", None, every)), ..mesh }),
+            mesh_shadow: make(&Way { label: "mesh shadow", vertex: "skinned_shadow", fragment: None, ..mesh }),
+            ghost_depth: make(&Way { label: "ghost depth", fragment: Some(("surface_ghost", None, hidden)), ..mesh }),
+            ghost: make(&Way { label: "ghost", fragment: Some(("surface_ghost", blends, every)), ..over }),
+            loose: make(&solid),
+            loose_shadow: make(&Way { label: "loose shadow", vertex: "loose_shadow", fragment: None, ..solid }),
+            pale_depth: make(&Way { label: "pale depth", fragment: Some(("flat_color", None, hidden)), ..solid }),
+            pale: make(&Way {
+                label: "pale",
+                fragment: Some(("surface_loose", blends, every)),
                 depth_write: false,
                 compare: equal,
-                ..mesh
+                ..solid
             }),
-            make(&solid),
-            make(&Way { label: "loose shadow", vertex: "loose_shadow", fragment: None, ..solid }),
-            make(&Way { label: "pale", fragment: Some(("surface_loose", blends, every)), ..solid }),
-            make(&Way {
+            decal: make(&Way {
                 label: "decal",
                 fragment: Some(("flat_color", blends, every)),
                 depth_write: false,
@@ -298,27 +340,17 @@ impl Pipelines {
                 bias: -24,
                 ..solid
             }),
-            make(&Way {
-                label: "ground",
-                vertex: "ground",
-                buffer: None,
-                fragment: Some(("ground_color", None, every)),
-                strip: true,
-                ..mesh
-            }),
-            make(&Way {
+            ground: make(&ground),
+            ground_bare: make(&Way { label: "bare ground", fragment: Some(("ground_bare", None, every)), ..ground }),
+            sky: make(&Way {
                 label: "sky",
                 vertex: "sky",
                 buffer: None,
                 fragment: Some(("sky_color", None, every)),
-                depth_write: false,
-                compare: equal,
-                ..mesh
+                ..over
             }),
-        ];
-        let [mesh, mesh_shadow, ghost_depth, ghost, loose, loose_shadow, pale, decal, ground, sky] = pipelines;
-        let blit = blit(device, layouts, &layout, window);
-        Pipelines { mesh, mesh_shadow, ghost_depth, ghost, loose, loose_shadow, pale, decal, ground, sky, blit }
+            blit: blit(device, layouts, &layout, window),
+        }
     }
 }
 
@@ -327,13 +359,13 @@ fn blit(
     device: &wgpu::Device,
     layouts: &Layouts,
     layout: &dyn Fn(&[Option<&wgpu::BindGroupLayout>]) -> wgpu::PipelineLayout,
-    window: wgpu::TextureFormat,
+    (window, blits): (wgpu::TextureFormat, Blits),
 ) -> wgpu::RenderPipeline {
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("blit"),
         source: wgpu::ShaderSource::Wgsl(include_str!("blit.wgsl").into()),
     });
-    let encodes = [("encodes", f64::from(u8::from(!window.is_srgb())))];
+    let encodes = [("encodes", f64::from(u8::from(blits == Blits::Encoded)))];
     let options = wgpu::PipelineCompilationOptions { constants: &encodes, ..Default::default() };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("blit"),

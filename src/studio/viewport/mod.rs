@@ -219,8 +219,6 @@ impl Viewport {
         let colors = Colors::of(ui.visuals().dark_mode);
         if ui.is_rect_visible(rect) {
             let painter = ui.painter_at(rect);
-            let [red, green, blue] = colors.halo;
-            painter.rect_filled(rect, 0.0, egui::Color32::from_rgb(red, green, blue).gamma_multiply(0.9));
             let scale = ui.ctx().pixels_per_point();
             let size = [rect.width(), rect.height()].map(|length| (length * scale).round().clamp(1.0, 16384.0) as u32);
             let frame = self.frame(scene, &seen, size, &colors);
@@ -249,7 +247,7 @@ impl Viewport {
             self.framed = true;
             self.camera.jump(anchor);
             let height = character.body.height;
-            self.camera.frame(anchor + DVec3::Y * 0.51 * height, 0.66 * height, across);
+            self.camera.frame(anchor + DVec3::Y * 0.51 * height, 0.585 * height, across);
         }
         let seconds = f64::from(ui.input(|input| input.stable_dt));
         if self.camera.follow(anchor, seconds) {
@@ -264,7 +262,8 @@ impl Viewport {
         let props = || scene.props.iter().zip(&self.shapes).filter(|(_, kept)| show.props && !kept.level);
         let flat = !props().any(|(prop, _)| prop.ground);
         let characters: Vec<(DVec3, f64)> = seen.iter().filter(|seen| !seen.ghost).map(Seen::ball).collect();
-        let (mut frame, origin) = Frame::new(&self.camera, size, colors, flat, &characters);
+        let foot = seen.iter().find(|seen| !seen.ghost).map(Seen::anchor).filter(|foot| foot.is_finite());
+        let (mut frame, origin) = Frame::new(&self.camera, size, colors, flat, (&characters, foot));
         for figure in scene.figures.iter().filter(|figure| show.ghost || !figure.ghost) {
             let ghost = figure.ghost.then_some(colors.ghost);
             if figure.rig.mesh.iter().any(|part| !part.indices.is_empty()) {

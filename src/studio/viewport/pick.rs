@@ -87,22 +87,24 @@ fn meets(eye: DVec3, ray: DVec3, a: DVec3, b: DVec3, radius: f64) -> Option<f64>
     (far > 0.0 && gap < radius).then(|| far - (radius * radius - gap * gap).sqrt())
 }
 
-/// m, how far the flesh of a joint reaches from it that way; a fraction of the body's height where there is none.
-pub fn reach(body: &Body, turns: &[glam::DQuat], joint: usize, along: DVec3) -> f64 {
-    let fallback = body.joints.get(joint).map_or(0.05, |joint| thickness(joint.role)) * body.height;
-    let (Some(flesh), Some(turn)) = (body.flesh.iter().find(|flesh| flesh.joint == joint), turns.get(joint)) else {
-        return fallback;
+/// m, how far from a point the flesh reaches that way: what lies within a hand's length of the body's height, arms before
+/// the trunk too.
+pub fn reach(body: &Body, turns: &[glam::DQuat], positions: &[DVec3], point: DVec3, along: DVec3) -> f64 {
+    let deepest = 0.17 * body.height;
+    let leaves = |flesh: &crate::model::Flesh| {
+        let (turn, joint) = (*turns.get(flesh.joint)?, *positions.get(flesh.joint)?);
+        // Leaving the ellipsoid in the box.
+        let to_box = (turn * flesh.turn).inverse();
+        let half = flesh.half.max(DVec3::splat(1e-3));
+        let from = (to_box * (point - joint - turn * flesh.middle)) / half;
+        let way = (to_box * along) / half;
+        let (square, mixed, rest) = (way.length_squared(), way.dot(from), from.length_squared() - 1.0);
+        let root = (mixed * mixed - square * rest).max(-1.0);
+        (root >= 0.0 && square > 1e-9).then(|| (root.sqrt() - mixed) / square)
     };
-    // Leaving the ellipsoid in the box.
-    let to_box = (*turn * flesh.turn).inverse();
-    let from = -(flesh.turn.inverse() * flesh.middle) / flesh.half;
-    let way = (to_box * along) / flesh.half;
-    let (square, mixed, rest) = (way.length_squared(), way.dot(from), from.length_squared() - 1.0);
-    let root = mixed * mixed - square * rest;
-    if root < 0.0 || square < 1e-9 {
-        return fallback;
-    }
-    ((root.sqrt() - mixed) / square).clamp(0.02, 0.2 * body.height)
+    let within = body.flesh.iter().filter_map(leaves).filter(|far| (0.0..deepest).contains(far));
+    let furthest = within.fold(0.0, f64::max);
+    if furthest > 0.0 { furthest } else { 0.05 * body.height }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! One viewport's own picture on the graphics card: its targets, what changes each frame, and the passes.
 
-use super::frame::{Drawn, Frame, GHOST, LOOSE, MATRIX};
-use super::gpu::{COLOR, DEPTH, Gpu, Quality};
+use super::frame::{Drawn, Frame, Kind, LOOSE, MATRIX};
+use super::gpu::{Blits, COLOR, DEPTH, Gpu, Quality, RAW};
 use eframe::wgpu;
 
 /// Matrices in a row of their texture.
@@ -68,16 +68,17 @@ fn bytes(floats: &[f32]) -> Vec<u8> {
 
 impl View {
     /// Of the shader's `Scene`.
-    pub(super) const SCENE_BYTES: u64 = 2 * 64 + 13 * 16;
+    pub(super) const SCENE_BYTES: u64 = 2 * 64 + 16 * 16;
     /// Of its `Draw`.
     pub(super) const DRAW_BYTES: u64 = 48;
 
-    /// Targets of a size.
-    pub(super) fn new(device: &wgpu::Device, gpu: &Gpu, size: [u32; 2]) -> View {
+    /// Targets of a size. `exact`: it is the window's, so that no point lies between its own.
+    pub(super) fn new(device: &wgpu::Device, gpu: &Gpu, size: [u32; 2], exact: bool) -> View {
         let Quality { samples, shadow, .. } = gpu.quality;
         let target = |label, [width, height]: [u32; 2], samples, format, read: bool| {
             let read = if read { wgpu::TextureUsages::TEXTURE_BINDING } else { wgpu::TextureUsages::empty() };
-            let texture = device.create_texture(&wgpu::TextureDescriptor {
+            let raw = format == COLOR && gpu.blits == Blits::Raw && !read.is_empty();
+            device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
                 size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
                 mip_level_count: 1,
@@ -85,13 +86,20 @@ impl View {
                 dimension: wgpu::TextureDimension::D2,
                 format,
                 usage: wgpu::TextureUsages::RENDER_ATTACHMENT | read,
-                view_formats: &[],
-            });
-            texture.create_view(&wgpu::TextureViewDescriptor::default())
+                view_formats: if raw { &[RAW] } else { &[] },
+            })
         };
+        let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
         let color = target("color", size, samples, COLOR, samples == 1);
         let resolved = (samples > 1).then(|| target("resolved", size, 1, COLOR, true));
-        let shadow = target("shadow", [shadow; 2], 1, DEPTH, true);
+        let format = (gpu.blits == Blits::Raw).then_some(RAW);
+        let finished = resolved.as_ref().unwrap_or(&color);
+        let finished = finished.create_view(&wgpu::TextureViewDescriptor {
+            format,
+            usage: Some(wgpu::TextureUsages::TEXTURE_BINDING),
+            ..Default::default()
+        });
+        let shadow = view(&target("shadow", [shadow; 2], 1, DEPTH, true));
         let bound = |layout, view: &wgpu::TextureView, sampler| {
             device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("viewport"),
@@ -106,11 +114,11 @@ impl View {
         let uniform = wgpu::BufferUsages::UNIFORM;
         View {
             size,
-            depth: target("depth", size, samples, DEPTH, false),
+            depth: view(&target("depth", size, samples, DEPTH, false)),
             shadow_bound: bound(&layouts.shadow, &shadow, &layouts.shadow_sampler),
-            blit_bound: bound(&layouts.blit, resolved.as_ref().unwrap_or(&color), &layouts.blit_sampler),
-            color,
-            resolved,
+            blit_bound: bound(&layouts.blit, &finished, &layouts.blit_samplers[usize::from(exact)]),
+            color: view(&color),
+            resolved: resolved.as_ref().map(view),
             shadow,
             scene: Grown::buffer(device, uniform, View::SCENE_BYTES),
             draws: Grown::new(device, uniform),
@@ -154,7 +162,7 @@ impl View {
                 ..Default::default()
             });
             pass.set_pipeline(&gpu.pipelines.mesh_shadow);
-            for call in calls.iter().filter(|call| call.drawn.shadow) {
+            for call in calls.iter().filter(|call| call.drawn.kind == Kind::Solid) {
                 call.mesh(&mut pass, scene);
             }
             if !solid.is_empty() {
@@ -180,11 +188,25 @@ impl View {
         });
         let mut draw_calls = 0;
         pass.set_bind_group(2, &self.shadow_bound, &[]);
+<<<<<<< HEAD
         let (opaque, ghosts): (Vec<&Call>, Vec<&Call>) = calls.iter().partition(|call| call.drawn.flags & GHOST == 0);
         pass.set_pipeline(&gpu.pipelines.mesh);
         for call in opaque {
             call.textured(&mut pass, scene);
             draw_calls += 1;
+=======
+        let pipelines = &gpu.pipelines;
+        for (pipeline, kind, textured) in [
+            (&pipelines.mesh, Kind::Solid, false),
+            (&pipelines.mesh_textured, Kind::Solid, true),
+            (&pipelines.mesh_ground, Kind::Ground, false),
+        ] {
+            pass.set_pipeline(pipeline);
+            for call in calls.iter().filter(|call| (call.drawn.kind, call.material.textured) == (kind, textured)) {
+                call.textured(&mut pass, scene);
+                draw_calls += 1;
+            }
+>>>>>>> view
         }
         pass.set_bind_group(0, scene, &[0]);
         pass.set_bind_group(1, &gpu.white, &[]);
@@ -199,21 +221,24 @@ impl View {
         loose(&mut pass, &gpu.pipelines.loose, solid.start..arrows.end);
         if frame.flat {
             pass.set_pipeline(&gpu.pipelines.ground);
-            pass.draw(0..4, 0..1);
+            pass.draw(0..6, 0..1);
+            pass.set_pipeline(&gpu.pipelines.ground_bare);
+            pass.draw(6..30, 0..1);
         }
         pass.set_pipeline(&gpu.pipelines.sky);
         pass.draw(0..3, 0..1);
         loose(&mut pass, &gpu.pipelines.decal, decals);
+        loose(&mut pass, &gpu.pipelines.pale_depth, pale.clone());
         loose(&mut pass, &gpu.pipelines.pale, pale);
         for pipeline in [&gpu.pipelines.ghost_depth, &gpu.pipelines.ghost] {
             pass.set_pipeline(pipeline);
-            for call in &ghosts {
+            for call in calls.iter().filter(|call| call.drawn.kind == Kind::Ghost) {
                 call.textured(&mut pass, scene);
                 draw_calls += 1;
             }
         }
         drop(pass);
-        self.draw_calls = draw_calls + 1 + u32::from(frame.flat);
+        self.draw_calls = draw_calls + 1 + 2 * u32::from(frame.flat);
         self.last = Some(frame.clone());
     }
 
@@ -243,8 +268,7 @@ impl View {
                 let color: [f32; 4] = std::array::from_fn(|at| drawn.color[at] * material.color[at]);
                 draws.extend(bytes(&color));
                 draws.extend(bytes(&drawn.tint));
-                let flags = drawn.flags | material.flags;
-                draws.extend([drawn.first, flags, 0, 0].iter().flat_map(|number| number.to_ne_bytes()));
+                draws.extend([drawn.first, 0, 0, 0].iter().flat_map(|number| number.to_ne_bytes()));
                 draws.resize(offset as usize + DRAW_STRIDE as usize, 0);
                 calls.push(Call { drawn, buffers, material, offset });
             }
