@@ -86,6 +86,9 @@ mod soles;
 mod stances;
 /// The controller: standing, recovering, stepping.
 mod stepper;
+/// The studio's batch view: a grid by label, bytes as `surefoot batch`, bad values, cancelling, pictures.
+#[cfg(feature = "studio")]
+mod studio_batch;
 /// The studio's plots: seeking, choosing, pictures.
 #[cfg(feature = "studio")]
 mod studio_plots;
