@@ -91,6 +91,20 @@ fn a_grid_of_two_by_two_is_baked_and_an_opened_cell_has_the_bytes_of_surefoot_ba
     varied.push[0].toward = surefoot::model::scenario::Direction::Left;
     assert_eq!(**scenario, varied);
 
+    let cell = harness.get_by_label_contains("120 N, right").rect().center();
+    for _ in 0..2 {
+        let events = &mut harness.input_mut().events;
+        events.push(egui::Event::PointerMoved(cell));
+        for pressed in [true, false] {
+            let (button, modifiers) = (egui::PointerButton::Primary, egui::Modifiers::NONE);
+            events.push(egui::Event::PointerButton { pos: cell, button, pressed, modifiers });
+        }
+        harness.step();
+    }
+    let requests = std::mem::take(&mut desk.borrow_mut().requests);
+    let [BatchRequest::Open(other)] = &requests[..] else { panic!("a double click opens: {requests:?}") };
+    assert_eq!((other.push[0].force, scenario.push[0].force), (120.0, 300.0));
+
     harness.get_by_label("Save as sweep…").click();
     harness.run();
     let requests = std::mem::take(&mut desk.borrow_mut().requests);
@@ -245,8 +259,15 @@ fn pictures_of_the_desk_in_both_themes() {
         settle(&mut harness, &desk);
         harness.get_by_label_contains("350 N, left").click();
         harness.run();
+        harness.remove_cursor();
         if scale > 1.0 {
             harness.get_by_label("by outcome").click();
+            harness.run();
+            harness.get_by_label_contains("step 1").click();
+            harness.run();
+            assert!(harness.query_by_label_contains("350 N, left").is_none(), "what is hidden is not listed");
+            harness.get_by_label_contains("150 N, front");
+            harness.get_by_label_contains("step 1").click();
             harness.run();
         }
         let image = studio_seen::keep(&mut harness, name);

@@ -146,7 +146,7 @@ fn axis_ui(ui: &mut Ui, name: &str, axis: &mut Axis, (paths, scenario): (&[Strin
         let unit = values::unit(&axis.path);
         if axis.listed {
             field(ui, "values", &mut axis.list, 330.0);
-            ui.weak(unit);
+            ui.weak(if unit == "°" { "words, degrees or [x, y, z]" } else { unit });
         } else {
             field(ui, "from", &mut axis.from, 56.0);
             ui.weak(unit);

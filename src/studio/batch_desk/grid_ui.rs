@@ -19,6 +19,9 @@ const CAPTION: f32 = 22.0;
 /// Points of the headings at the left and at the top.
 const LEFT: f32 = 86.0;
 const TOP: f32 = 22.0;
+/// Points, the width of a picture at least, and at most unless a person wants more.
+const LEAST: f32 = 110.0;
+const MOST: f32 = 240.0;
 
 impl BatchDesk {
     pub(super) fn grid_ui(&mut self, ui: &mut Ui, document: &Document, requests: &mut Vec<BatchRequest>) {
@@ -72,9 +75,18 @@ fn toolbar(ui: &mut Ui, grid: &Grid, view: &mut View) {
         }
         ui.separator();
         let label = ui.label("size");
-        let slider = Slider::new(&mut view.width, 120.0..=CELL_WIDTH as f32).show_value(false);
-        ui.add(slider).labelled_by(label.id);
+        let mut width = view.width.unwrap_or_else(|| fitted(ui, grid));
+        let slider = Slider::new(&mut width, LEAST..=CELL_WIDTH as f32).show_value(false);
+        if ui.add(slider).labelled_by(label.id).changed() {
+            view.width = Some(width);
+        }
     });
+}
+
+/// Points, so wide that all columns are in sight, where that is possible.
+fn fitted(ui: &Ui, grid: &Grid) -> f32 {
+    let room = ui.max_rect().width() - LEFT - 4.0;
+    (room / grid.shape[1] as f32 - GAP).clamp(LEAST, MOST)
 }
 
 fn dot(ui: &mut Ui, verdict: Verdict) {
@@ -90,7 +102,8 @@ pub(super) fn colour(verdict: Verdict) -> Color32 {
 
 /// Draws the cells; the one to be opened.
 fn cells(ui: &mut Ui, grid: &Grid, view: &mut View) -> Option<usize> {
-    let size = vec2(view.width, view.width * CELL_HEIGHT as f32 / CELL_WIDTH as f32 + CAPTION);
+    let width = view.width.unwrap_or_else(|| fitted(ui, grid));
+    let size = vec2(width, width * CELL_HEIGHT as f32 / CELL_WIDTH as f32 + CAPTION);
     let step = size + Vec2::splat(GAP);
     let is_hidden = |cell: &Cell| cell.verdict().is_some_and(|verdict| view.hidden[verdict as usize]);
     let [rows, columns] = grid.shape;
@@ -105,6 +118,7 @@ fn cells(ui: &mut Ui, grid: &Grid, view: &mut View) -> Option<usize> {
     let lines = places.len().div_ceil(columns.max(1));
     let total = corner + vec2(step.x * columns as f32, step.y * lines as f32);
     let mut open = None;
+    ui.add_space(2.0);
     ScrollArea::both().auto_shrink([false, false]).show_viewport(ui, |ui, sight| {
         let (area, _) = ui.allocate_exact_size(total, Sense::hover());
         for (place, index) in places.iter().enumerate() {

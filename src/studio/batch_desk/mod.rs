@@ -53,7 +53,8 @@ pub struct BatchDesk {
 
 /// How the grid is looked at.
 struct View {
-    width: f32,
+    /// Points, of a cell; `None`: as the columns fit.
+    width: Option<f32>,
     by_outcome: bool,
     hidden: [bool; Verdict::ALL.len()],
     selected: Option<usize>,
@@ -102,7 +103,7 @@ impl BatchDesk {
             orders: 0,
             grid: None,
             folder: None,
-            view: View { width: 208.0, by_outcome: false, hidden: [false; Verdict::ALL.len()], selected: None },
+            view: View { width: None, by_outcome: false, hidden: [false; Verdict::ALL.len()], selected: None },
         }
     }
 
