@@ -152,8 +152,8 @@ impl BatchDesk {
     /// Has the newest wish planned.
     fn ask(&mut self, document: &Document, file: Option<&Path>) {
         let Some(wish) = &self.wish else { return };
-        let same = |job: &Box<Job>| job.wish == *wish && job.document == *document && job.file.as_deref() == file;
-        if !self.asked.as_ref().is_some_and(same) && !matches!(self.wanted, Some(Some(_))) {
+        let same = |job: &Job| job.wish == *wish && job.document == *document && job.file.as_deref() == file;
+        if !self.asked.as_deref().is_some_and(same) && !matches!(self.wanted, Some(Some(_))) {
             let job = Job { wish: wish.clone(), document: document.clone(), file: file.map(Path::to_owned) };
             self.plan(Box::new(job));
         }
