@@ -89,6 +89,9 @@ mod stepper;
 /// The studio: driven without a window, by label.
 #[cfg(feature = "studio")]
 mod studio;
+/// The studio's batch view: a grid by label, bytes as `surefoot batch`, bad values, cancelling, pictures.
+#[cfg(feature = "studio")]
+mod studio_batch;
 /// The studio's plots: seeking, choosing, pictures.
 #[cfg(feature = "studio")]
 mod studio_plots;

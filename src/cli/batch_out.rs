@@ -2,14 +2,13 @@
 
 use super::args::BatchArgs;
 use super::say;
-use crate::batch::manifest::Table;
 use crate::batch::merged::{self, MOST_CLIPS};
-use crate::batch::pictures;
-use crate::batch::run::{Ended, Place, engines, root_joint};
+use crate::batch::run::{Ended, Place, root_joint};
 use crate::batch::{Plan, Variation};
 use crate::disk::Failure;
+use crate::disk::batch_results;
 use crate::disk::folder::Folder;
-use crate::disk::writer::{self, Output};
+use crate::disk::writer::Output;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -50,33 +49,18 @@ pub fn finish(results: &Results) -> Result<(), Failure> {
     if results.args.scenarios {
         places.push(("scenarios", scenarios(results)?));
     }
-    let helpers = helpers(results)?;
+    let left = left(results);
+    let helpers = left.helpers(results.args.merge)?;
     if !helpers.is_empty() {
         places.push(("helpers", helpers));
     }
-    let record = |variation: &Variation| results.folder.record(variation);
-    let alike = pictures::alike(results.plan, &record);
-    let table = Table { plan: results.plan, endings: results.endings, alike: &alike, merged: results.args.merge };
-    let manifest = table.json();
-    let mut text = serde_json::to_vec_pretty(&manifest).map_err(|error| Failure::failed(error.to_string()))?;
-    text.push(b'\n');
-    let tables = vec![
-        Output { path: results.output.join("manifest.csv"), bytes: table.csv() },
-        Output { path: results.output.join("manifest.json"), bytes: text },
-    ];
-    places.push(("manifest", put(results, tables)?));
+    let alike = left.alike();
+    let (manifest, tables) = left.manifest(&alike, results.args.merge)?;
+    places.push(("manifest", tables));
     if !results.args.no_sheet {
-        let mut pages = Vec::new();
-        pictures::sheet(results.plan, results.endings, &alike, &record, &mut |page, bytes| {
-            let name = if page == 0 { "sheet.png".to_owned() } else { format!("sheet_{}.png", page + 1) };
-            pages.extend(put(results, vec![Output { path: results.output.join(name), bytes }])?);
-            Ok::<(), Failure>(())
-        })?;
-        places.push(("sheet", pages));
+        places.push(("sheet", left.sheet(&alike)?));
     }
-    let coverage = pictures::coverage(results.plan, results.endings, &alike).into_bytes();
-    places
-        .push(("coverage", put(results, vec![Output { path: results.output.join("coverage.svg"), bytes: coverage }])?));
+    places.push(("coverage", left.coverage(&alike)?));
     if results.args.json {
         let mut object = manifest;
         object["output"] = results.output.display().to_string().into();
@@ -108,20 +92,6 @@ fn merge(results: &Results) -> Result<Vec<PathBuf>, Failure> {
     Ok(written)
 }
 
-/// The helpers of the engines that were asked for, once where clips are.
-fn helpers(results: &Results) -> Result<Vec<PathBuf>, Failure> {
-    let folders: Vec<PathBuf> = match results.args.merge {
-        true => vec![results.output.to_owned()],
-        false => results.plan.sweep.rigs.iter().map(|rig| results.output.join(&rig.name)).collect(),
-    };
-    let mut outputs = Vec::new();
-    for folder in folders {
-        let own = engines(&results.plan.sweep.bake);
-        outputs.extend(own.map(|engine| Output { path: folder.join(engine.file), bytes: engine.helper() }));
-    }
-    put(results, outputs)
-}
-
 /// The scenario of each variation, in one folder.
 fn scenarios(results: &Results) -> Result<Vec<PathBuf>, Failure> {
     let folder = results.output.join("scenarios");
@@ -133,8 +103,12 @@ fn scenarios(results: &Results) -> Result<Vec<PathBuf>, Failure> {
 }
 
 fn put(results: &Results, outputs: Vec<Output>) -> Result<Vec<PathBuf>, Failure> {
-    writer::write(&outputs, results.folder.inputs())?;
-    Ok(outputs.into_iter().map(|output| output.path).collect())
+    left(results).put(outputs)
+}
+
+fn left<'a>(results: &Results<'a>) -> batch_results::Results<'a> {
+    let Results { plan, folder, output, endings, .. } = *results;
+    batch_results::Results { plan, folder, output, endings }
 }
 
 fn summary(results: &Results, alike: &[Option<usize>], places: &[(&str, Vec<PathBuf>)]) -> String {

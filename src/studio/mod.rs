@@ -9,6 +9,7 @@ pub mod author;
 pub mod command;
 pub mod compass;
 pub mod dialogs;
+pub mod batch_desk;
 pub mod document;
 pub mod errands;
 pub mod examples;
