@@ -86,6 +86,9 @@ mod soles;
 mod stances;
 /// The controller: standing, recovering, stepping.
 mod stepper;
+/// The studio's audit desk: flags, jumps, decisions, what is saved; its pictures.
+#[cfg(feature = "studio")]
+mod studio_audit;
 /// Rigs and motions made by hand for the modules above.
 mod synthetic;
 /// VRM animations: the specification, the same pose, read back.

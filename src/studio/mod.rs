@@ -2,6 +2,7 @@
 //!
 //! [`document`] is what is edited and [`history`] its past; panels read them and give edits.
 
+pub mod audit_desk;
 pub mod document;
 pub mod errands;
 pub mod history;
