@@ -22,7 +22,7 @@ use surefoot::model::{Capture, Role, Scenario};
 const WALK: &str = "title = \"walk\"\nduration = 7.0\n[[walk]]\nstart = 0.3\nspeed = 1.2\n";
 
 /// A GLB with a shove and a walk that the audit has nothing against: a walk as it is baked at 30 fps is corrected first.
-fn walk_bytes() -> &'static [u8] {
+pub fn walk_bytes() -> &'static [u8] {
     static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
     BYTES.get_or_init(|| {
         let file = read("walk.glb", baked_bytes());

@@ -101,6 +101,9 @@ mod studio_seen;
 /// The studio's viewport: pictures without a window, pushes by hand, costs.
 #[cfg(feature = "studio")]
 mod studio_viewport;
+/// The studio's audit desk: flags, jumps, decisions, what is saved; its pictures.
+#[cfg(feature = "studio")]
+mod studio_audit;
 /// Rigs and motions made by hand for the modules above.
 mod synthetic;
 /// VRM animations: the specification, the same pose, read back.

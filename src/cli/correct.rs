@@ -64,6 +64,7 @@ fn correct_all(args: &CorrectArgs, file: &Opened, wanted: &[usize]) -> Result<(V
         audit: AuditOptions { floor: args.floor, ..AuditOptions::default() },
         only: args.rules.clone(),
         retime: args.retime,
+        leave: Vec::new(),
     };
     let (mut clips, mut unread) = (Vec::new(), Vec::new());
     for index in wanted.iter().copied() {

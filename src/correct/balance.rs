@@ -74,7 +74,7 @@ fn fix(seen: &Seen, group: &[Flag], attempt: usize, odd: bool) -> Option<Fix> {
     let (piece, _) = pose(capture, start, &goals);
     let moved = goals.iter().map(|goal| goal.body.length()).fold(0.0, f64::max);
     let what = format!("pelvis and trunk moved by up to {:.1} cm, the feet held", 100.0 * moved);
-    Some(Fix { piece, flag: first.clone(), moved, what, held: Vec::new() })
+    Some(Fix { piece, flags: group.to_vec(), moved, what, held: Vec::new() })
 }
 
 /// A span widened to where else, near it, the pelvis starts or stops as it does nowhere in the clip: a body that stands aside shows in the

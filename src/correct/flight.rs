@@ -65,7 +65,7 @@ pub fn fixes(seen: &Seen, findings: &Findings, attempt: usize) -> Vec<Fix> {
         };
         let what =
             format!("the flight falls at {falls:.2} m/s², up to {:.1} cm from where it was{short}", 100.0 * moved);
-        fixes.push(Fix { piece, flag: flag.clone(), moved, what, held: Vec::new() });
+        fixes.push(Fix { piece, flags: vec![flag.clone()], moved, what, held: Vec::new() });
     }
     fixes
 }

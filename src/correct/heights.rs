@@ -78,7 +78,7 @@ fn fix(seen: &Seen, group: &[Flag], attempt: usize) -> Option<Fix> {
     let way = if lift.iter().sum::<f64>() < 0.0 { "lowered" } else { "lifted" };
     let who = if whole { "the whole body".to_owned() } else { format!("the {} foot", first.foot.unwrap_or("one")) };
     let what = format!("{who} {way} by up to {:.1} cm", 100.0 * moved);
-    Some(Fix { piece, flag: first.clone(), moved, what, held: Vec::new() })
+    Some(Fix { piece, flags: group.to_vec(), moved, what, held: Vec::new() })
 }
 
 /// m, (frames from `start` to `end`): by how much those feet must rise so that what bears is on the floor; smooth, 0 at both ends.

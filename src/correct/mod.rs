@@ -10,6 +10,7 @@
 pub mod balance;
 pub mod flight;
 pub mod heights;
+mod leave;
 pub mod locals;
 pub mod placement;
 pub mod posing;
@@ -18,6 +19,8 @@ pub mod seen;
 pub mod slides;
 pub mod told;
 mod verdict;
+
+pub use leave::Target;
 
 use crate::audit::{AuditOptions, audit};
 use crate::model::findings::{Findings, Flag, Rule};
@@ -43,6 +46,8 @@ pub struct CorrectOptions {
     pub only: Vec<Rule>,
     /// A clip that plays at the wrong speed may get another frame rate.
     pub retime: bool,
+    /// Flags that stay as they are: nothing is done about them, and no repair is judged by them.
+    pub leave: Vec<Target>,
 }
 
 /// A corrected clip.
@@ -85,6 +90,9 @@ pub struct Done {
     /// Contacts whose foot is held, frames.
     #[serde(skip)]
     pub held: Vec<(Side, usize, usize)>,
+    /// The flags that it answers. With these in [`CorrectOptions::leave`] it is not done.
+    #[serde(skip)]
+    pub answers: Vec<Target>,
 }
 
 /// A proposal: frames posed anew.
@@ -92,8 +100,8 @@ pub struct Done {
 pub struct Fix {
     /// The frames.
     pub piece: Piece,
-    /// Which flag it answers.
-    pub flag: Flag,
+    /// Which flags it answers; the first names it.
+    pub flags: Vec<Flag>,
     /// m: the farthest that a foot or the pelvis goes.
     pub moved: f64,
     /// A sentence.
@@ -161,19 +169,20 @@ pub fn correct(source: &Capture, options: &CorrectOptions) -> Corrected {
         for pass in ORDER {
             let rules: Vec<Rule> = pass.rules().iter().copied().filter(|rule| wanted(options, *rule)).collect();
             for attempt in 0..ATTEMPTS {
-                if !after.flags.iter().any(|flag| rules.contains(&flag.rule)) {
+                let open = leave::open(&after, options);
+                if !open.flags.iter().any(|flag| rules.contains(&flag.rule)) {
                     break;
                 }
-                let fixes = propose(&capture, &after, pass, &rules, attempt, options.audit.floor);
-                let kept = verdict::apply(&mut capture, &mut after, &known, fixes, &options.audit);
+                let fixes = propose(&capture, &open, pass, &rules, attempt, options.audit.floor);
+                let kept = verdict::apply(&mut capture, &mut after, &known, fixes, options);
                 done.extend(kept);
             }
         }
-        if done.len() == count || after.flags.is_empty() {
+        if done.len() == count || after.flags.iter().all(|flag| options.leaves(flag)) {
             break;
         }
     }
-    for flag in after.flags.iter().filter(|flag| wanted(options, flag.rule)) {
+    for flag in after.flags.iter().filter(|flag| wanted(options, flag.rule) && !options.leaves(flag)) {
         notes.push(format!("frames {}-{}: could not mend that {}", flag.start, flag.end, flag.why));
     }
     let changed = changed(source, &capture);

@@ -102,7 +102,7 @@ fn shift(seen: &Seen, flag: &Flag, step: &Judged, left: f64) -> Option<Fix> {
         let moved = aside.length();
         let what = format!("the {} foot's plant moved by {:.1} cm", flag.foot.unwrap_or("one"), 100.0 * moved);
         let held = if still { vec![(contact.side, contact.start, contact.end)] } else { Vec::new() };
-        best = Some(Fix { piece, flag: flag.clone(), moved, what, held });
+        best = Some(Fix { piece, flags: vec![flag.clone()], moved, what, held });
         if missed < MISSED {
             break;
         }
@@ -176,7 +176,7 @@ fn stretch(seen: &Seen, flag: &Flag, step: &Judged) -> Option<Fix> {
     }
     let late = (down - to.start) as f64 / capture.fps;
     let what = format!("the {} foot's swing takes {late:.2} s longer", flag.foot.unwrap_or("one"));
-    Some(Fix { piece, flag: flag.clone(), moved, what, held: Vec::new() })
+    Some(Fix { piece, flags: vec![flag.clone()], moved, what, held: Vec::new() })
 }
 
 /// Where a knee points in the pelvis's frame, (frames of a span): from the line between hip and ankle, a little to the thigh's front.

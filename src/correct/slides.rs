@@ -68,7 +68,7 @@ fn fix(seen: &Seen, flag: &Flag, contacts: &[usize], attempt: usize) -> Option<F
     let who = flag.foot.map_or("both feet".to_owned(), |foot| format!("the {foot} foot"));
     let body = if flag.rule == Rule::Drift { ", the body moved back over them" } else { "" };
     let what = format!("{who} held in place, moved by up to {:.1} cm{body}", 100.0 * moved);
-    Some(Fix { piece, flag: flag.clone(), moved, what, held })
+    Some(Fix { piece, flags: vec![flag.clone()], moved, what, held })
 }
 
 /// Which feet bear.

@@ -1,10 +1,11 @@
 //! Whether a repair stays: the audit is asked again, and what did not make its span cleaner goes back to what it was.
 //!
-//! Flags are weighed by how far they are beyond their limit. A flag in a place where the source had none is never accepted.
+//! Flags are weighed by how far they are beyond their limit. A flag in a place where the source had none is never accepted. Flags that a
+//! person leaves as they are do not count, neither for a repair nor against it.
 
 use super::posing::Piece;
-use super::{Done, Fix};
-use crate::audit::{AuditOptions, audit};
+use super::{CorrectOptions, Done, Fix, Target};
+use crate::audit::audit;
 use crate::model::Capture;
 use crate::model::findings::{Findings, Flag, Rule};
 
@@ -27,7 +28,7 @@ pub fn apply(
     after: &mut Findings,
     known: &Findings,
     fixes: Vec<Fix>,
-    options: &AuditOptions,
+    options: &CorrectOptions,
 ) -> Vec<Done> {
     if fixes.is_empty() {
         return Vec::new();
@@ -39,17 +40,19 @@ pub fn apply(
     let mut tried: Vec<Tried> = Vec::new();
     for fix in fixes {
         let (start, end) = (fix.piece.start, fix.piece.end());
+        let answers: Vec<Target> = fix.flags.iter().map(Target::of).collect();
+        let Some(Target { rule, foot, .. }) = answers.first().copied() else { continue };
         let was = fix.piece.swap(capture);
-        let Flag { rule, foot, .. } = fix.flag;
-        tried.push(Tried {
-            was,
-            done: Done { start, end, rule, foot, moved_m: fix.moved, what: fix.what, held: fix.held },
-        });
+        let done = Done { start, end, rule, foot, moved_m: fix.moved, what: fix.what, held: fix.held, answers };
+        tried.push(Tried { was, done });
     }
-    let before = after.flags.clone();
+    let counting =
+        |flags: &[Flag]| -> Vec<Flag> { flags.iter().filter(|flag| !options.leaves(flag)).cloned().collect() };
+    let before = counting(&after.flags);
     loop {
-        let found = audit(capture, options);
-        let strange: Vec<&Flag> = found.flags.iter().filter(|flag| !flag_is_known(flag, known)).collect();
+        let found = audit(capture, &options.audit);
+        let flags = counting(&found.flags);
+        let strange: Vec<&Flag> = flags.iter().filter(|flag| !flag_is_known(flag, known)).collect();
         let bad = |tried: &Tried| {
             let zone = (tried.done.start.saturating_sub(BESIDE), tried.done.end + BESIDE);
             let worth = |flags: &[Flag]| cost(&overlapping(flags, zone));
@@ -65,15 +68,15 @@ pub fn apply(
                     let own = overlapping(flags, zone).into_iter().filter(|flag| kin(flag.rule, rule));
                     cost(&own.collect::<Vec<_>>())
                 };
-                of(&found.flags) > of(&before) + PAID
+                of(&flags) > of(&before) + PAID
             });
-            raised || silent || worse || worth(&found.flags) > (1.0 - CLEANER) * worth(&before)
+            raised || silent || worse || worth(&flags) > (1.0 - CLEANER) * worth(&before)
         };
         let (mut back, kept): (Vec<Tried>, Vec<Tried>) = tried.into_iter().partition(bad);
         tried = kept;
         // A new flag that is nobody's neighbour, or a new one of the whole clip: the last repair has to go.
         let whole = found.clip_flags.iter().any(|flag| known.clip_flags.iter().all(|other| other.rule != flag.rule));
-        if back.is_empty() && (whole || !strange.is_empty() || cost(&found.flags) > cost(&before)) {
+        if back.is_empty() && (whole || !strange.is_empty() || cost(&flags) > cost(&before)) {
             back.extend(tried.pop());
         }
         if back.is_empty() {

@@ -32,6 +32,13 @@ pub struct Clip {
     amended: Amended,
 }
 
+impl Clip {
+    /// New local transforms of the file's nodes, file units.
+    pub fn edits(&self) -> &locals::Edits {
+        &self.amended.edits
+    }
+}
+
 impl Opened {
     /// Opens a clip file. An FBX is judged as what will be written.
     pub fn open(path: &Path, options: &Options) -> Result<Opened, Failure> {

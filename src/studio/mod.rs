@@ -10,6 +10,7 @@ pub mod command;
 pub mod compass;
 pub mod dialogs;
 pub mod batch_desk;
+pub mod audit_desk;
 pub mod document;
 pub mod errands;
 pub mod examples;
