@@ -338,11 +338,6 @@ fn a_frame_costs_little() {
                 images.iter().for_each(|image| renderer.update_texture(&state.device, &state.queue, id, image));
             });
             let started = Instant::now();
-<<<<<<< HEAD
-            let jobs = context.tessellate(output.shapes.clone(), 1.0);
-            let screen = eframe::egui_wgpu::ScreenDescriptor { size_in_pixels: [1280, 800], pixels_per_point: 1.0 };
-=======
->>>>>>> view
             let mut encoder = state.device.create_command_encoder(&Default::default());
             renderer.update_buffers(&state.device, &state.queue, &mut encoder, &jobs, &screen);
             prepare_time += started.elapsed().as_secs_f64();

@@ -89,6 +89,9 @@ mod stepper;
 /// The studio: driven without a window, by label.
 #[cfg(feature = "studio")]
 mod studio;
+/// The studio's audit desk: flags, jumps, decisions, what is saved; its pictures.
+#[cfg(feature = "studio")]
+mod studio_audit;
 /// The studio's batch view: a grid by label, bytes as `surefoot batch`, bad values, cancelling, pictures.
 #[cfg(feature = "studio")]
 mod studio_batch;
@@ -101,9 +104,6 @@ mod studio_seen;
 /// The studio's viewport: pictures without a window, pushes by hand, costs.
 #[cfg(feature = "studio")]
 mod studio_viewport;
-/// The studio's audit desk: flags, jumps, decisions, what is saved; its pictures.
-#[cfg(feature = "studio")]
-mod studio_audit;
 /// Rigs and motions made by hand for the modules above.
 mod synthetic;
 /// VRM animations: the specification, the same pose, read back.

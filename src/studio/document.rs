@@ -5,11 +5,8 @@
 use crate::model::Role;
 use crate::model::Scenario;
 use crate::model::scenario::{Base, Carry, Character, Crouch, Direction, Feet, Ground, Push, Stand, Throw, Turn, Walk};
-<<<<<<< HEAD
 use crate::model::sweep::BakeSettings;
 use std::collections::BTreeMap;
-=======
->>>>>>> view
 use std::path::PathBuf;
 
 /// The document.

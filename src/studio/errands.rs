@@ -26,6 +26,8 @@ pub enum Errand {
     Save(PathBuf, Box<Scenario>),
     /// Write a clip and what stands beside it.
     Export(PathBuf, Box<Shown>, Box<BakeSettings>),
+    /// Write these files.
+    Write(Vec<Output>),
     /// Write which node is which bone beside the rig.
     Bones(PathBuf, Arc<Rig>, BTreeMap<Role, Option<usize>>),
     /// What is in a folder.
@@ -89,6 +91,7 @@ fn name(errand: &Errand) -> &'static str {
         Errand::Open(_) => "open",
         Errand::Save(..) => "save",
         Errand::Export(..) => "export",
+        Errand::Write(_) => "write the files",
         Errand::Bones(..) => "write the bones",
         Errand::List(_) => "list the folder",
         Errand::Keep(_) => "keep a copy in case of a crash",
@@ -110,6 +113,10 @@ fn run(home: &mut Home, errand: Errand) -> Result<Option<Done>, Failure> {
             Some(Done::Saved(path, scenario))
         }
         Errand::Export(path, shown, settings) => Some(export(&path, &shown, &settings)?),
+        Errand::Write(outputs) => {
+            writer::write(&outputs, &[])?;
+            Some(Done::Exported(outputs.into_iter().map(|output| output.path).collect(), Vec::new()))
+        }
         Errand::Bones(rig_file, rig, bones) => {
             let path = rig_file.with_extension("bones.toml");
             let text = match std::fs::read_to_string(&path) {

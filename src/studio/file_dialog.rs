@@ -202,8 +202,7 @@ fn suggestion(state: &State, purpose: Purpose) -> String {
                 state.document().rig.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
             format!("{rig}_{title}.glb")
         }
-        Purpose::Sweep => "sweep.toml".to_owned(),
-        Purpose::Corrected => "corrected.glb".to_owned(),
+        Purpose::Sweep | Purpose::Corrected => state.suggested.clone().unwrap_or_default(),
         _ => String::new(),
     }
 }

@@ -5,12 +5,13 @@
 //! what must outlive a crash. egui and eframe are named in this folder only, and everything it does goes through the calls of the rows above.
 
 pub mod app;
+pub mod audit_desk;
+pub mod audit_view;
 pub mod author;
+pub mod batch_desk;
 pub mod command;
 pub mod compass;
 pub mod dialogs;
-pub mod batch_desk;
-pub mod audit_desk;
 pub mod document;
 pub mod errands;
 pub mod examples;

@@ -125,7 +125,8 @@ pub fn start_choosing(wake: Wake) -> Worker<(Document, Shown), Answer> {
 }
 
 fn broke(words: String) -> Answer {
-    let message = format!("the simulation broke down: {words}\n  help: this is a bug. Undo goes back; please report it");
+    let message =
+        format!("the simulation broke down: {words}\n  help: this is a bug. Undo goes back; please report it");
     Answer::Failed(u64::MAX, Failure::failed(message))
 }
 

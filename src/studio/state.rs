@@ -13,6 +13,7 @@ use super::playback::Playback;
 use super::plots::Series;
 use super::simulate::{self, Answer, Question, Shown};
 use super::worker::{Wake, Worker};
+use crate::disk::writer::Output;
 use crate::disk::{Failure, clip_files};
 use crate::model::Scenario;
 use crate::model::scenario_errors::Fault;
@@ -100,6 +101,8 @@ pub struct State {
     pub messages: Vec<Message>,
     /// What is asked.
     pub asking: Option<Asking>,
+    /// A name that would do for the file that is asked for.
+    pub suggested: Option<String>,
     /// A folder's entries for the file dialog.
     pub listing: Option<(PathBuf, Vec<Listed>)>,
     /// Settings.
@@ -142,6 +145,7 @@ impl State {
             failure: None,
             messages: Vec::new(),
             asking: None,
+            suggested: None,
             listing: None,
             remembered: Remembered::default(),
             view: View::Author,
@@ -230,7 +234,9 @@ impl State {
     fn ask_ragdoll(&mut self) {
         let rested = self.unchosen.is_some_and(|came| came.elapsed() >= RESTS);
         let asked = self.asked.as_ref() == Some(self.document());
-        if let Some(shown) = self.shown.as_ref().filter(|shown| rested && asked && shown.edit == self.edit && !shown.last) {
+        if let Some(shown) =
+            self.shown.as_ref().filter(|shown| rested && asked && shown.edit == self.edit && !shown.last)
+        {
             self.choose.ask_only((self.document().clone(), shown.clone()));
             self.unchosen = None;
         }
@@ -453,6 +459,11 @@ impl State {
     /// The file dialog looks into a folder.
     pub fn list(&mut self, folder: &Path) {
         self.files.ask(Errand::List(folder.to_owned()));
+    }
+
+    /// Writes files.
+    pub fn write(&mut self, outputs: Vec<Output>) {
+        self.files.ask(Errand::Write(outputs));
     }
 
     /// Says something.

@@ -172,7 +172,7 @@ impl Desk {
             return Ok(None);
         }
         if self.rig.is_none() {
-            self.rig = resolve::load_rig(&path).ok().map(Arc::new);
+            self.rig = resolve::rig(&path).ok().map(|loaded| Arc::new(loaded.rig));
         }
         let Some(rig) = self.rig.clone() else { return Ok(None) };
         let reading = self.reading(clip)?;

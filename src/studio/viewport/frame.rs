@@ -222,24 +222,18 @@ fn lamp(characters: &[(DVec3, f64)], origin: DVec3, camera: &Camera) -> Lamp {
     let snapped = DVec3::new((seen.x / texel).round() * texel, (seen.y / texel).round() * texel, seen.z);
     let view = DMat4::from_translation(-snapped) * turn * DMat4::from_translation(origin);
     let deep = radius + 3.0;
-<<<<<<< HEAD
-=======
     // From the top of the ball down the light to the ground.
     let fall = (middle.y + radius).max(0.0) / toward.y;
     let ends = [middle - origin, middle - origin - toward * fall];
     let low = ends[0].min(ends[1]) - radius - 0.1;
     let high = ends[0].max(ends[1]) + radius + 0.1;
->>>>>>> view
     Lamp {
         toward,
         light_from_world: rh::proj::directx::orthographic(-radius, radius, -radius, radius, -deep, deep) * view,
         texel,
-<<<<<<< HEAD
-=======
         radius,
         deep,
         reach: [low.x, low.z, high.x, high.z],
->>>>>>> view
     }
 }
 

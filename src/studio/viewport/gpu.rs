@@ -269,22 +269,14 @@ impl Pipelines {
                     bias: wgpu::DepthBiasState { constant: way.bias, slope_scale: 0.0, clamp: 0.0 },
                 }),
                 multisample: wgpu::MultisampleState {
-<<<<<<< HEAD
-                    count: if in_picture { samples } else { 1 },
-=======
                     count: if in_picture { quality.samples } else { 1 },
->>>>>>> view
                     ..Default::default()
                 },
                 fragment: way.fragment.as_ref().zip(target.as_ref()).map(|((entry, _, _), targets)| {
                     wgpu::FragmentState {
                         module: &module,
                         entry_point: Some(entry),
-<<<<<<< HEAD
-                        compilation_options: Default::default(),
-=======
                         compilation_options: options.clone(),
->>>>>>> view
                         targets,
                     }
                 }),

@@ -188,13 +188,6 @@ impl View {
         });
         let mut draw_calls = 0;
         pass.set_bind_group(2, &self.shadow_bound, &[]);
-<<<<<<< HEAD
-        let (opaque, ghosts): (Vec<&Call>, Vec<&Call>) = calls.iter().partition(|call| call.drawn.flags & GHOST == 0);
-        pass.set_pipeline(&gpu.pipelines.mesh);
-        for call in opaque {
-            call.textured(&mut pass, scene);
-            draw_calls += 1;
-=======
         let pipelines = &gpu.pipelines;
         for (pipeline, kind, textured) in [
             (&pipelines.mesh, Kind::Solid, false),
@@ -206,7 +199,6 @@ impl View {
                 call.textured(&mut pass, scene);
                 draw_calls += 1;
             }
->>>>>>> view
         }
         pass.set_bind_group(0, scene, &[0]);
         pass.set_bind_group(1, &gpu.white, &[]);
