@@ -39,6 +39,8 @@ pub struct Scenario {
     pub throw: Vec<Throw>,
     /// Disturbance: a box in both hands.
     pub carry: Vec<Carry>,
+    /// A person's own marks on the timeline; they change nothing.
+    pub marker: Vec<Marker>,
 }
 
 /// The character, where it differs from the rig's own.
@@ -246,6 +248,15 @@ pub struct Carry {
     pub size: DVec3,
 }
 
+/// A mark on the timeline.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Marker {
+    /// s.
+    pub time: f64,
+    /// What is there.
+    pub name: String,
+}
+
 /// A direction as a person says it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Direction {
@@ -332,6 +343,7 @@ impl Default for Scenario {
             pull: Vec::new(),
             throw: Vec::new(),
             carry: Vec::new(),
+            marker: Vec::new(),
         }
     }
 }

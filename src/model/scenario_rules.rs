@@ -36,6 +36,13 @@ impl Scenario {
         }
         check.throws(self);
         check.carries(self);
+        for (index, marker) in self.marker.iter().enumerate() {
+            check.range(format!("marker.{index}.time"), marker.time, (0.0, LONGEST), "s");
+            if marker.name.trim().is_empty() || marker.name.chars().count() > 80 {
+                let remedy = "say in 1 to 80 letters what is there: `name = \"hit\"`";
+                check.fault(format!("marker.{index}.name"), "a marker needs a name", remedy);
+            }
+        }
         check.faults
     }
 }

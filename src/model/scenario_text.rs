@@ -6,8 +6,8 @@
 
 use super::role::Role;
 use super::scenario::{
-    Base, Carry, Character, Crouch, Direction, Feet, Ground, GroundKind, Push, Scenario, Stand, Style, Throw, Turn,
-    Walk,
+    Base, Carry, Character, Crouch, Direction, Feet, Ground, GroundKind, Marker, Push, Scenario, Stand, Style, Throw,
+    Turn, Walk,
 };
 use super::scenario_errors::{ScenarioErrors, ScenarioSource, TextFault};
 use super::scenario_reader::Reader;
@@ -104,8 +104,28 @@ fn scenario(name: &str, mut root: Reader<'_, '_>) -> Scenario {
         mass: mass_curve(entry),
         size: entry.numbers::<3>("size").map_or(DVec3::new(0.4, 0.3, 0.3), DVec3::from_array),
     });
+    let marker = root.lane("marker", |entry| Marker {
+        time: entry.required_number("time"),
+        name: entry.string("name").unwrap_or_default(),
+    });
     root.finish();
-    Scenario { title, duration, seed, character, ground, base, walk, turn, crouch, stand, push, pull, throw, carry }
+    Scenario {
+        title,
+        duration,
+        seed,
+        character,
+        ground,
+        base,
+        walk,
+        turn,
+        crouch,
+        stand,
+        push,
+        pull,
+        throw,
+        carry,
+        marker,
+    }
 }
 
 fn character(mut table: Reader<'_, '_>) -> Character {

@@ -52,6 +52,11 @@ pub fn write(scenario: &Scenario) -> String {
     scenario.pull.iter().for_each(|pull| force(&mut text, "pull", pull));
     scenario.throw.iter().for_each(|balls| throw(&mut text, balls));
     scenario.carry.iter().for_each(|box_| carry(&mut text, box_));
+    for marker in &scenario.marker {
+        text += "\n[[marker]]\n";
+        pair(&mut text, "time", &number(marker.time));
+        pair(&mut text, "name", &quoted(&marker.name));
+    }
     text
 }
 

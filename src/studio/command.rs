@@ -21,6 +21,8 @@ pub enum Command {
     Select(Option<Place>),
     /// A new entry at a time, or at the playhead.
     Add(Lane, Option<f64>),
+    /// A mark at the playhead.
+    Mark,
     /// The selected entry to the clipboard.
     Copy,
     /// That, and away with it.
@@ -134,6 +136,7 @@ pub fn shortcuts() -> Vec<Shortcut> {
         shortcut("Delete the entry", NONE, Key::Backspace, Command::Delete, true),
         shortcut("Add a push at the playhead", NONE, Key::P, Command::Add(Lane::Push, None), true),
         shortcut("Add a walk at the playhead", NONE, Key::W, Command::Add(Lane::Walk, None), true),
+        shortcut("Mark the playhead", NONE, Key::M, Command::Mark, true),
         shortcut("Select nothing", NONE, Key::Escape, Command::Select(None), true),
         shortcut("Play or pause", NONE, Key::Space, Command::PlayPause, true),
         shortcut("Ten frames back", Modifiers::SHIFT, Key::ArrowLeft, Command::Step(-10), true),

@@ -4,7 +4,9 @@
 
 use crate::model::Role;
 use crate::model::Scenario;
-use crate::model::scenario::{Base, Carry, Character, Crouch, Direction, Feet, Ground, Push, Stand, Throw, Turn, Walk};
+use crate::model::scenario::{
+    Base, Carry, Character, Crouch, Direction, Feet, Ground, Marker, Push, Stand, Throw, Turn, Walk,
+};
 use crate::model::sweep::BakeSettings;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -86,6 +88,8 @@ pub enum Edit {
     Remove(Place),
     /// All of it.
     Scenario(Box<Scenario>),
+    /// The marks on the timeline.
+    Markers(Vec<Marker>),
     /// How it is baked.
     Bake(BakeSettings),
 }
@@ -272,6 +276,7 @@ impl Document {
             Edit::Ground(ground) => self.scenario.ground = ground,
             Edit::Base(base) => self.scenario.base = base,
             Edit::Scenario(scenario) => self.scenario = *scenario,
+            Edit::Markers(markers) => self.scenario.marker = markers,
             Edit::Bake(bake) => self.bake = bake,
             Edit::Add(entry) => {
                 let lane = entry.lane();

@@ -116,6 +116,7 @@ fn name(edit: &Edit) -> &'static str {
         Edit::Replace(..) => "change an entry",
         Edit::Remove(_) => "remove an entry",
         Edit::Scenario(_) => "change the scenario",
+        Edit::Markers(_) => "change the markers",
         Edit::Bake(_) => "change how it is baked",
     }
 }

@@ -16,6 +16,7 @@ use super::worker::{Wake, Worker};
 use crate::disk::writer::Output;
 use crate::disk::{Failure, clip_files};
 use crate::model::Scenario;
+use crate::model::scenario::Marker;
 use crate::model::scenario_errors::Fault;
 use crate::model::scenario_write::write;
 use crate::rig::Rig;
@@ -338,6 +339,13 @@ impl State {
             Command::Redo => self.history.redo(),
             Command::Select(place) => self.selected = place,
             Command::Add(lane, at) => self.add(lane.entry(tidy(at.unwrap_or(self.playback.time)))),
+            Command::Mark => {
+                let mut markers = self.document().scenario.marker.clone();
+                let time = tidy(self.playback.time);
+                let place = markers.partition_point(|marker| marker.time <= time);
+                markers.insert(place, Marker { time, name: format!("mark {}", markers.len() + 1) });
+                self.history.apply(Edit::Markers(markers), false);
+            }
             Command::Copy => self.clipboard = self.selected_entry().or(self.clipboard.take()),
             Command::Cut => {
                 self.clipboard = self.selected_entry().or(self.clipboard.take());

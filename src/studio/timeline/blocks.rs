@@ -174,6 +174,7 @@ impl One<'_> {
     /// The nearest round time, edge of another entry, or playhead, for the start of something of that length.
     fn snap(&self, frame: &Frame, start: f64, length: f64) -> f64 {
         let mut near: Vec<f64> = vec![frame.input.time, 0.0, frame.input.document.scenario.duration];
+        near.extend(frame.input.document.scenario.marker.iter().map(|marker| marker.time));
         for lane in Lane::ALL {
             for (index, entry) in frame.input.document.entries(lane).iter().enumerate() {
                 if (Place { lane, index }) != self.place {

@@ -4,6 +4,7 @@
 //! egui points.
 
 mod blocks;
+mod markers;
 mod platform;
 pub mod tracks;
 
@@ -78,7 +79,7 @@ impl Timeline {
             let map = TimeMap::new(self.window(duration), area.left()..=area.right());
             let frame = Frame { map, input, area };
             let top = whole.top();
-            ruler(ui, &frame, duration, &mut commands);
+            let ruler = ruler(ui, &frame, duration, &mut commands);
             for lane in Lane::ALL {
                 let row = row(ui, LANE);
                 head(ui, row, lane, input.time, &mut commands);
@@ -88,6 +89,7 @@ impl Timeline {
             tracks::ui(ui, &frame.map, input.shown, input.fresh, &mut commands);
             let bottom = ui.min_rect().bottom();
             let clip = Rect::from_min_max(pos2(area.left(), top), pos2(area.right(), bottom));
+            markers::ui(ui, &frame, ruler, bottom, &mut commands);
             playhead(ui, &frame, clip);
         });
         commands
@@ -139,7 +141,7 @@ fn head(ui: &mut egui::Ui, row: Rect, lane: Lane, time: f64, commands: &mut Vec<
 }
 
 /// Seconds along the top; dragging in it moves the playhead.
-fn ruler(ui: &mut egui::Ui, frame: &Frame, duration: f64, commands: &mut Vec<Command>) {
+fn ruler(ui: &mut egui::Ui, frame: &Frame, duration: f64, commands: &mut Vec<Command>) -> Rect {
     let row = row(ui, RULER);
     let bar = Rect::from_min_max(pos2(frame.area.left(), row.top()), row.max);
     let response = ui.interact(bar, ui.scope_id().with("ruler"), Sense::click_and_drag());
@@ -173,6 +175,7 @@ fn ruler(ui: &mut egui::Ui, frame: &Frame, duration: f64, commands: &mut Vec<Com
         );
     }
     painter.line_segment([bar.left_bottom(), bar.right_bottom()], line);
+    bar
 }
 
 /// A line through everything.
