@@ -252,15 +252,30 @@ fn a_broken_file_says_what_to_do_and_the_next_one_opens() {
 #[test]
 fn its_pictures() {
     let folder = tempfile::tempdir().expect("a folder");
-    let path = spoiled(folder.path());
+    let path = spoiled_thrice(folder.path());
     for (name, theme, points) in [("dark", Theme::Dark, 1.0), ("light", Theme::Light, 2.0)] {
         let mut harness = opened(&path, [1280.0, 800.0], points, theme);
-        harness.key_press(Key::N);
-        harness.run_steps(3);
+        for key in [Key::N, Key::A, Key::N, Key::R, Key::N] {
+            harness.key_press(key);
+            harness.run_steps(2);
+            settle(&mut harness);
+        }
         if !drawn(&mut harness, &format!("audit_{name}")) {
             return;
         }
     }
+}
+
+/// The same walk with a plant set aside too.
+fn spoiled_thrice(folder: &Path) -> PathBuf {
+    let path = spoiled(folder);
+    let file = read("spoiled.glb", &std::fs::read(&path).expect("written"));
+    let reading = file.reading(1, &Options::default()).expect("a clip");
+    let moved = (0..9).find_map(|seed| {
+        audit_faults::moved_plant(&reading.capture, audit_faults::Way::Outward, 0.2, &mut Seed::new(seed))
+    });
+    std::fs::write(&path, file_with(&file, &reading, 1, &moved.expect("a step").capture)).expect("written");
+    path
 }
 
 /// Saves what is painted; false where this machine has nothing to draw with.

@@ -160,20 +160,23 @@ impl AuditDesk {
 
     /// Keys of the desk, where no text is being written.
     fn keys(&self, ui: &Ui, commands: &mut Vec<Command>) {
-        if self.state.shown.is_none() || ui.ctx().egui_wants_keyboard_input() {
+        let text = ui.ctx().text_edit_focused();
+        if self.state.shown.is_none() || text {
             return;
         }
+        // Space and the arrows belong to a button that has the focus.
+        let free = !ui.ctx().egui_wants_keyboard_input();
         let decide = |decision| self.state.selected_repair().map(|index| Command::Decide(index, decision));
         let keys = [
             (Key::N, Some(Command::NextFlag)),
             (Key::P, Some(Command::PreviousFlag)),
             (Key::A, decide(Decision::Accepted)),
             (Key::R, decide(Decision::Rejected)),
-            (Key::Space, Some(Command::Play)),
-            (Key::ArrowRight, Some(Command::Step(1))),
-            (Key::ArrowLeft, Some(Command::Step(-1))),
-            (Key::Home, Some(Command::Seek(0.0))),
-            (Key::End, Some(Command::Seek(f64::MAX))),
+            (Key::Space, free.then_some(Command::Play)),
+            (Key::ArrowRight, free.then_some(Command::Step(1))),
+            (Key::ArrowLeft, free.then_some(Command::Step(-1))),
+            (Key::Home, free.then_some(Command::Seek(0.0))),
+            (Key::End, free.then_some(Command::Seek(f64::MAX))),
         ];
         for (key, command) in keys {
             if let Some(command) = command
@@ -261,7 +264,9 @@ impl AuditDesk {
             }
             Command::Decide(index, decision) => {
                 let now = state.repairs.entry(state.chosen).or_default();
-                if now.decide(index, decision) {
+                // The same once more takes it back.
+                let same = now.list.get(index).is_some_and(|repair| repair.decision == decision);
+                if now.decide(index, if same { Decision::Pending } else { decision }) {
                     self.correct();
                 }
             }

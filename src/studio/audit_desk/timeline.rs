@@ -169,11 +169,10 @@ impl Lanes<'_> {
     }
 
     fn flags(&self, ui: &Ui, lane: Rect, commands: &mut Vec<Command>) {
-        let mut free = [0_usize; ROWS];
-        let height = (lane.height() - 2.0) / ROWS as f32;
-        for (index, flag) in self.shown.before.findings.flags.iter().enumerate() {
-            let row = (0..ROWS).find(|row| free[*row] <= flag.start).unwrap_or(ROWS - 1);
-            free[row] = free[row].max(flag.end + 1);
+        let flags = &self.shown.before.findings.flags;
+        let rows = rows(flags);
+        let height = (lane.height() - 2.0) / (rows.iter().max().map_or(1, |row| row + 1)).max(2) as f32;
+        for (index, (flag, row)) in flags.iter().zip(rows).enumerate() {
             if self.state.hidden.contains(&flag.rule) || !self.seen(flag.start, flag.end) {
                 continue;
             }
@@ -214,7 +213,9 @@ impl Lanes<'_> {
             let told = format!("correction {from}-{to}, {}", colors::word(repair.decision));
             response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &told));
             match repair.decision {
-                Decision::Accepted => drop(self.painter.rect_filled(bar, 2.0, color)),
+                Decision::Accepted => {
+                    self.painter.rect_filled(bar, 2.0, color);
+                }
                 Decision::Pending => {
                     self.painter.rect_filled(bar, 2.0, color.gamma_multiply(0.35));
                     outlined(&self.painter, bar, color);
@@ -223,6 +224,9 @@ impl Lanes<'_> {
                     outlined(&self.painter, bar, color);
                     self.painter.hline(bar.x_range(), bar.center().y, Stroke::new(1.0, color));
                 }
+            }
+            if self.state.selected_repair() == Some(index) {
+                outlined(&self.painter, bar.expand(1.0), ui.visuals().strong_text_color());
             }
             let answered = |flag: &Flag| repair.answers_any(&[crate::correct::Target::of(flag)]);
             if response.clicked()
@@ -276,6 +280,17 @@ impl Lanes<'_> {
         self.painter.rect_filled(plate, 3.0, color);
         self.painter.galley(plate.center() - 0.5 * text.size(), text, color);
     }
+}
+
+/// Which row of the lane each flag stands in: the first that is free.
+fn rows(flags: &[Flag]) -> Vec<usize> {
+    let mut free = [0_usize; ROWS];
+    let place = |flag: &Flag| {
+        let row = (0..ROWS).find(|row| free[*row] <= flag.start).unwrap_or(ROWS - 1);
+        free[row] = free[row].max(flag.end + 1);
+        row
+    };
+    flags.iter().map(place).collect()
 }
 
 fn outlined(painter: &Painter, rect: Rect, color: Color32) {
