@@ -220,6 +220,40 @@ fn a_footprint_leads_to_its_frame_and_a_rejection_can_be_taken_back() {
 }
 
 #[test]
+fn the_timeline_is_scrubbed_and_zoomed_about_the_pointer() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = opened(&spoiled(folder.path()), [1280.0, 800.0], 1.0, Theme::Dark);
+    let desk = |harness: &Harness<Window>| harness.state().desk.state().clone();
+    let rect = harness.get_by_label("Timeline").rect();
+    let at = |share: f32| pos2(rect.left() + share * rect.width(), rect.top() + 6.0);
+    let mut times = Vec::new();
+    harness.hover_at(at(0.4));
+    harness.drag_at(at(0.4));
+    for share in [0.4, 0.6, 0.8] {
+        harness.hover_at(at(share));
+        harness.run_steps(2);
+        times.push(desk(&harness).playback.time);
+    }
+    harness.drop_at(at(0.8));
+    harness.run_steps(2);
+    let frames: Vec<f64> = times.iter().map(|time| time * 30.0).collect();
+    assert!(times.windows(2).all(|pair| pair[1] > pair[0] + 0.5), "{times:?}");
+    assert!(frames.iter().all(|frame| (frame - frame.round()).abs() < 1e-6), "{frames:?}");
+    let whole = desk(&harness).window;
+    harness.hover_at(at(0.5));
+    harness.event(egui::Event::Zoom(2.0));
+    harness.run_steps(3);
+    let near = desk(&harness).window;
+    assert!((near.span - 0.5 * whole.span).abs() < 1e-6 && near.start > whole.start, "{near:?}");
+    // A jump to what is out of sight brings it there.
+    harness.key_press(Key::Home);
+    harness.key_press(Key::P);
+    harness.run_steps(3);
+    let now = desk(&harness);
+    assert!((now.window.start..now.window.start + now.window.span).contains(&now.playback.time));
+}
+
+#[test]
 fn a_broken_file_says_what_to_do_and_the_next_one_opens() {
     let folder = tempfile::tempdir().expect("a folder");
     let broken = folder.path().join("broken.bvh");

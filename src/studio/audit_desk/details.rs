@@ -29,7 +29,14 @@ pub fn details(ui: &mut Ui, state: &State, shown: &Shown, commands: &mut Vec<Com
                 Some((index, repair)) => correction(ui, index, repair, commands),
                 None => {
                     let (word, color) = fate(state, shown, flag, ui);
-                    ui.colored_label(color, if word == "…" { "The correction is being worked out." } else { word });
+                    let sentence = match word {
+                        "…" => "The correction is being worked out.",
+                        "no correction found" => {
+                            "No correction was found that makes it cleaner and raises no other flag."
+                        }
+                        _ => "The correction of another flag mends this one too.",
+                    };
+                    ui.colored_label(color, sentence);
                 }
             }
         }

@@ -110,7 +110,7 @@ pub fn fate(state: &State, shown: &Shown, flag: &Flag, ui: &Ui) -> (&'static str
             if after.motion.findings.flags.iter().any(same) {
                 ("no correction found", visuals.warn_fg_color)
             } else {
-                ("gone with another", colors::decision(Decision::Pending, visuals))
+                ("mended with another", colors::decision(Decision::Pending, visuals))
             }
         }
     }

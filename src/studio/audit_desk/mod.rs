@@ -288,3 +288,17 @@ fn beside(file: &Path) -> PathBuf {
     let ending = if ["fbx", "gltf"].contains(&ending.as_str()) { "glb" } else { &ending };
     file.with_file_name(format!("{stem}-corrected.{ending}"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_to_save_under_is_never_the_files_own() {
+        let named = |file: &str| beside(Path::new(file)).display().to_string();
+        assert_eq!(named("a/walk.bvh"), "a/walk-corrected.bvh");
+        assert_eq!(named("walk.FBX"), "walk-corrected.glb");
+        assert_eq!(named("hero.gltf"), "hero-corrected.glb");
+        assert_eq!(named("hero.vrm"), "hero-corrected.vrm");
+    }
+}

@@ -302,3 +302,27 @@ pub fn label(flag: &Flag) -> String {
     let foot = flag.foot.map(|foot| format!(" {foot}")).unwrap_or_default();
     format!("{} {}-{}{foot}", flag.rule.name(), flag.start, flag.end)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::findings::Rule;
+
+    fn flag(start: usize, end: usize) -> Flag {
+        let (severity, measured, predicted, delta_m, why) = (0.6, 0.0, 0.0, 0.1, String::new());
+        Flag { start, end, rule: Rule::FootSlide, foot: Some("left"), severity, measured, predicted, delta_m, why }
+    }
+
+    #[test]
+    fn flags_that_share_frames_stand_in_rows_and_have_names() {
+        let flags = [flag(0, 9), flag(5, 20), flag(9, 12), flag(10, 30), flag(11, 12), flag(40, 41)];
+        assert_eq!(rows(&flags), [0, 1, 2, 0, 2, 0]);
+        assert_eq!(label(&flags[1]), "foot-slide 5-20 left");
+        assert_eq!(label(&Flag { foot: None, rule: Rule::Balance, ..flags[0].clone() }), "balance 0-9");
+    }
+
+    #[test]
+    fn a_click_means_a_whole_frame() {
+        assert!((snapped(0.51, 30.0) - 0.5).abs() < 1e-12 && (snapped(0.52, 30.0) - 16.0 / 30.0).abs() < 1e-12);
+    }
+}
