@@ -2,7 +2,7 @@
 //! looked at, accepted or rejected. Works in whatever window shows it.
 //!
 //! [`state`] is what is shown and decided, plain; the panels (`flags_list`, `details`, `timeline`, `plan`, `bars`) read it and
-//! give [`Command`](state::Command)s, which [`AuditDesk`] alone applies. [`work`] opens, judges, corrects and saves beside the window. The 3D
+//! give [`Command`]s, which [`AuditDesk`] alone applies. [`work`] opens, judges, corrects and saves beside the window. The 3D
 //! view is the caller's: it gets an [`AuditScene`]. Times s, frames from 0, clip space (metres, Y up).
 
 mod bars;
