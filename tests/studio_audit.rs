@@ -220,6 +220,40 @@ fn a_footprint_leads_to_its_frame_and_a_rejection_can_be_taken_back() {
 }
 
 #[test]
+fn the_timeline_is_scrubbed_and_zoomed_about_the_pointer() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = opened(&spoiled(folder.path()), [1280.0, 800.0], 1.0, Theme::Dark);
+    let desk = |harness: &Harness<Window>| harness.state().desk.state().clone();
+    let rect = harness.get_by_label("Timeline").rect();
+    let at = |share: f32| pos2(rect.left() + share * rect.width(), rect.top() + 6.0);
+    let mut times = Vec::new();
+    harness.hover_at(at(0.4));
+    harness.drag_at(at(0.4));
+    for share in [0.4, 0.6, 0.8] {
+        harness.hover_at(at(share));
+        harness.run_steps(2);
+        times.push(desk(&harness).playback.time);
+    }
+    harness.drop_at(at(0.8));
+    harness.run_steps(2);
+    let frames: Vec<f64> = times.iter().map(|time| time * 30.0).collect();
+    assert!(times.windows(2).all(|pair| pair[1] > pair[0] + 0.5), "{times:?}");
+    assert!(frames.iter().all(|frame| (frame - frame.round()).abs() < 1e-6), "{frames:?}");
+    let whole = desk(&harness).window;
+    harness.hover_at(at(0.5));
+    harness.event(egui::Event::Zoom(2.0));
+    harness.run_steps(3);
+    let near = desk(&harness).window;
+    assert!((near.span - 0.5 * whole.span).abs() < 1e-6 && near.start > whole.start, "{near:?}");
+    // A jump to what is out of sight brings it there.
+    harness.key_press(Key::Home);
+    harness.key_press(Key::P);
+    harness.run_steps(3);
+    let now = desk(&harness);
+    assert!((now.window.start..now.window.start + now.window.span).contains(&now.playback.time));
+}
+
+#[test]
 fn a_broken_file_says_what_to_do_and_the_next_one_opens() {
     let folder = tempfile::tempdir().expect("a folder");
     let broken = folder.path().join("broken.bvh");
@@ -252,15 +286,30 @@ fn a_broken_file_says_what_to_do_and_the_next_one_opens() {
 #[test]
 fn its_pictures() {
     let folder = tempfile::tempdir().expect("a folder");
-    let path = spoiled(folder.path());
+    let path = spoiled_thrice(folder.path());
     for (name, theme, points) in [("dark", Theme::Dark, 1.0), ("light", Theme::Light, 2.0)] {
         let mut harness = opened(&path, [1280.0, 800.0], points, theme);
-        harness.key_press(Key::N);
-        harness.run_steps(3);
+        for key in [Key::N, Key::A, Key::N, Key::R, Key::N] {
+            harness.key_press(key);
+            harness.run_steps(2);
+            settle(&mut harness);
+        }
         if !drawn(&mut harness, &format!("audit_{name}")) {
             return;
         }
     }
+}
+
+/// The same walk with a plant set aside too.
+fn spoiled_thrice(folder: &Path) -> PathBuf {
+    let path = spoiled(folder);
+    let file = read("spoiled.glb", &std::fs::read(&path).expect("written"));
+    let reading = file.reading(1, &Options::default()).expect("a clip");
+    let moved = (0..9).find_map(|seed| {
+        audit_faults::moved_plant(&reading.capture, audit_faults::Way::Outward, 0.2, &mut Seed::new(seed))
+    });
+    std::fs::write(&path, file_with(&file, &reading, 1, &moved.expect("a step").capture)).expect("written");
+    path
 }
 
 /// Saves what is painted; false where this machine has nothing to draw with.

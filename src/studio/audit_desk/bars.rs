@@ -65,9 +65,12 @@ fn save(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     }
     if let Some(repairs) = state.now().filter(|repairs| !repairs.list.is_empty()) {
         let (all, own) = (repairs.list.len(), repairs.count(Decision::Accepted));
-        let rejected = repairs.count(Decision::Rejected);
+        let rejected = match repairs.count(Decision::Rejected) {
+            0 => String::new(),
+            count => format!(", {count} rejected"),
+        };
         let other = if accepted > own { format!(", {} in other clips", accepted - own) } else { String::new() };
-        ui.weak(format!("{own} of {all} accepted, {rejected} rejected{other}; accepted ones are written"));
+        ui.weak(format!("{own} of {all} accepted{rejected}{other}; only accepted ones are written"));
     }
 }
 

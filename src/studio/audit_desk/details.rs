@@ -29,7 +29,14 @@ pub fn details(ui: &mut Ui, state: &State, shown: &Shown, commands: &mut Vec<Com
                 Some((index, repair)) => correction(ui, index, repair, commands),
                 None => {
                     let (word, color) = fate(state, shown, flag, ui);
-                    ui.colored_label(color, if word == "…" { "The correction is being worked out." } else { word });
+                    let sentence = match word {
+                        "…" => "The correction is being worked out.",
+                        "no correction found" => {
+                            "No correction was found that makes it cleaner and raises no other flag."
+                        }
+                        _ => "The correction of another flag mends this one too.",
+                    };
+                    ui.colored_label(color, sentence);
                 }
             }
         }
@@ -66,10 +73,14 @@ fn correction(ui: &mut Ui, index: usize, repair: &Repair, commands: &mut Vec<Com
         ui.horizontal(|ui| {
             let mut choice = |ui: &mut Ui, name: &str, hint: &str, decision: Decision| {
                 let chosen = repair.decision == decision;
-                let text = RichText::new(name).color(colors::decision(decision, ui.visuals()));
-                if ui.add(Button::selectable(chosen, text).frame_when_inactive(true)).on_hover_text(hint).clicked() {
-                    // Once more takes it back.
-                    commands.push(Command::Decide(index, if chosen { Decision::Pending } else { decision }));
+                let color = colors::decision(decision, ui.visuals());
+                let mut button = Button::new(RichText::new(name).color(color));
+                if chosen {
+                    button = Button::new(RichText::new(name).color(ui.visuals().extreme_bg_color)).fill(color);
+                }
+                let hint = if chosen { "Once more takes it back" } else { hint };
+                if ui.add(button).on_hover_text(hint).clicked() {
+                    commands.push(Command::Decide(index, decision));
                 }
             };
             choice(ui, "Accept", "It will be written (A)", Decision::Accepted);

@@ -51,14 +51,36 @@ fn filter(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 continue;
             }
             let listed = !state.hidden.contains(&rule);
-            let color = if listed { colors::rule(rule, ui.visuals()) } else { ui.visuals().weak_text_color() };
-            let text = egui::RichText::new(format!("{} {count}", colors::title(rule))).color(color).small();
-            let hint = if listed { "Click to list these no more" } else { "Click to list these" };
-            if ui.selectable_label(listed, text).on_hover_text(hint).clicked() {
+            if chip(ui, rule, &format!("{} {count}", colors::title(rule)), listed) {
                 commands.push(Command::Toggle(rule));
             }
         }
     });
+}
+
+/// A rule to list or not.
+fn chip(ui: &mut Ui, rule: Rule, name: &str, listed: bool) -> bool {
+    let color = colors::rule(rule, ui.visuals());
+    let ink = if listed { ui.visuals().strong_text_color() } else { ui.visuals().weak_text_color() };
+    let text = ui.painter().layout_no_wrap(name.to_owned(), small(ui), ink);
+    let (rect, response) = ui.allocate_exact_size(text.size() + vec2(24.0, 7.0), Sense::click());
+    response.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, listed, name));
+    let fill = if listed { color.gamma_multiply(0.22) } else { ui.visuals().faint_bg_color };
+    let line = if response.hovered() || response.has_focus() { color } else { Color32::TRANSPARENT };
+    ui.painter().rect(rect, 4.0, fill, egui::Stroke::new(1.0, line), egui::StrokeKind::Inside);
+    let dot = rect.left_center() + vec2(10.0, 0.0);
+    match listed {
+        true => ui.painter().circle_filled(dot, 4.0, color),
+        false => ui.painter().circle_stroke(dot, 3.5, egui::Stroke::new(1.0, color)),
+    };
+    ui.painter().galley(rect.min + vec2(18.0, 3.5), text, ink);
+    response.on_hover_text(if listed { "Click to list these no more" } else { "Click to list these" }).clicked()
+}
+
+/// A little larger than the smallest text.
+fn small(ui: &Ui) -> FontId {
+    let font = TextStyle::Small.resolve(ui.style());
+    FontId { size: 1.15 * font.size, ..font }
 }
 
 /// What is wrong with the clip as a whole.
@@ -88,7 +110,7 @@ pub fn fate(state: &State, shown: &Shown, flag: &Flag, ui: &Ui) -> (&'static str
             if after.motion.findings.flags.iter().any(same) {
                 ("no correction found", visuals.warn_fg_color)
             } else {
-                ("gone with another", colors::decision(Decision::Pending, visuals))
+                ("mended with another", colors::decision(Decision::Pending, visuals))
             }
         }
     }
@@ -99,12 +121,12 @@ fn row(ui: &mut Ui, state: &State, shown: &Shown, index: usize, commands: &mut V
     let selected = state.flag == Some(index);
     let (fate, fate_color) = fate(state, shown, flag, ui);
     let color = colors::rule(flag.rule, ui.visuals());
-    let (body, small) = (TextStyle::Body.resolve(ui.style()), TextStyle::Small.resolve(ui.style()));
+    let (body, small) = (TextStyle::Body.resolve(ui.style()), small(ui));
     let (strong, weak) = (ui.visuals().strong_text_color(), ui.visuals().weak_text_color());
     let width = ui.available_width();
     let why = ui.painter().layout(flag.why.clone(), small.clone(), ui.visuals().text_color(), width - 22.0);
     let line = ui.text_style_height(&TextStyle::Body);
-    let height = line + ui.text_style_height(&TextStyle::Small) + why.size().y + 14.0;
+    let height = line + 1.15 * ui.text_style_height(&TextStyle::Small) + why.size().y + 15.0;
     let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, selected, spoken(flag, fate)));
     if selected && response.rect.height() > 0.0 && state.flag != seen(ui) {
@@ -134,7 +156,7 @@ fn row(ui: &mut Ui, state: &State, shown: &Shown, index: usize, commands: &mut V
     painter.text(pos2(right, rect.top() + 4.0), Align2::RIGHT_TOP, amount(flag), body, color);
     let second = rect.top() + 5.0 + line;
     painter.text(pos2(left, second), Align2::LEFT_TOP, frames(flag), small.clone(), weak);
-    painter.text(pos2(right, second), Align2::RIGHT_TOP, fate, FontId { ..small }, fate_color);
+    painter.text(pos2(right, second), Align2::RIGHT_TOP, fate, small, fate_color);
     let third = rect.bottom() - why.size().y - 5.0;
     painter.galley(pos2(left, third), why, strong);
 }

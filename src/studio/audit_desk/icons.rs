@@ -41,7 +41,9 @@ pub fn button(ui: &mut Ui, icon: Icon, name: &str, hint: &str, chosen: bool) -> 
 fn draw(painter: &Painter, rect: Rect, icon: Icon, stroke: Stroke) {
     let color = stroke.color;
     let place = |x: f32, y: f32| pos2(rect.left() + x * rect.width(), rect.top() + y * rect.height());
-    let triangle = |points: [Pos2; 3]| drop(painter.add(Shape::convex_polygon(points.to_vec(), color, Stroke::NONE)));
+    let triangle = |points: [Pos2; 3]| {
+        painter.add(Shape::convex_polygon(points.to_vec(), color, Stroke::NONE));
+    };
     let bar = |x: f32, width: f32| {
         painter.rect_filled(Rect::from_min_max(place(x, 0.05), place(x + width, 0.95)), 0.5, color);
     };

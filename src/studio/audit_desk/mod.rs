@@ -1,8 +1,8 @@
 //! The audit's desk: a clip is opened, its flags stand on a timeline and its footprints beside their prediction, and each correction is
 //! looked at, accepted or rejected. Works in whatever window shows it.
 //!
-//! [`state`] is what is shown and decided, plain; the panels ([`flags_list`], [`details`], [`timeline`], [`plan`], [`bars`]) read it and
-//! give [`Command`](state::Command)s, which [`AuditDesk`] alone applies. [`work`] opens, judges, corrects and saves beside the window. The 3D
+//! [`state`] is what is shown and decided, plain; the panels (`flags_list`, `details`, `timeline`, `plan`, `bars`) read it and
+//! give [`Command`]s, which [`AuditDesk`] alone applies. [`work`] opens, judges, corrects and saves beside the window. The 3D
 //! view is the caller's: it gets an [`AuditScene`]. Times s, frames from 0, clip space (metres, Y up).
 
 mod bars;
@@ -160,20 +160,23 @@ impl AuditDesk {
 
     /// Keys of the desk, where no text is being written.
     fn keys(&self, ui: &Ui, commands: &mut Vec<Command>) {
-        if self.state.shown.is_none() || ui.ctx().egui_wants_keyboard_input() {
+        let text = ui.ctx().text_edit_focused();
+        if self.state.shown.is_none() || text {
             return;
         }
+        // Space and the arrows belong to a button that has the focus.
+        let free = !ui.ctx().egui_wants_keyboard_input();
         let decide = |decision| self.state.selected_repair().map(|index| Command::Decide(index, decision));
         let keys = [
             (Key::N, Some(Command::NextFlag)),
             (Key::P, Some(Command::PreviousFlag)),
             (Key::A, decide(Decision::Accepted)),
             (Key::R, decide(Decision::Rejected)),
-            (Key::Space, Some(Command::Play)),
-            (Key::ArrowRight, Some(Command::Step(1))),
-            (Key::ArrowLeft, Some(Command::Step(-1))),
-            (Key::Home, Some(Command::Seek(0.0))),
-            (Key::End, Some(Command::Seek(f64::MAX))),
+            (Key::Space, free.then_some(Command::Play)),
+            (Key::ArrowRight, free.then_some(Command::Step(1))),
+            (Key::ArrowLeft, free.then_some(Command::Step(-1))),
+            (Key::Home, free.then_some(Command::Seek(0.0))),
+            (Key::End, free.then_some(Command::Seek(f64::MAX))),
         ];
         for (key, command) in keys {
             if let Some(command) = command
@@ -261,7 +264,9 @@ impl AuditDesk {
             }
             Command::Decide(index, decision) => {
                 let now = state.repairs.entry(state.chosen).or_default();
-                if now.decide(index, decision) {
+                // The same once more takes it back.
+                let same = now.list.get(index).is_some_and(|repair| repair.decision == decision);
+                if now.decide(index, if same { Decision::Pending } else { decision }) {
                     self.correct();
                 }
             }
@@ -282,4 +287,18 @@ fn beside(file: &Path) -> PathBuf {
     let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
     let ending = if ["fbx", "gltf"].contains(&ending.as_str()) { "glb" } else { &ending };
     file.with_file_name(format!("{stem}-corrected.{ending}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_to_save_under_is_never_the_files_own() {
+        let named = |file: &str| beside(Path::new(file)).display().to_string();
+        assert_eq!(named("a/walk.bvh"), "a/walk-corrected.bvh");
+        assert_eq!(named("walk.FBX"), "walk-corrected.glb");
+        assert_eq!(named("hero.gltf"), "hero-corrected.glb");
+        assert_eq!(named("hero.vrm"), "hero-corrected.vrm");
+    }
 }

@@ -66,8 +66,17 @@ pub fn plan(ui: &mut Ui, state: &State, shown: &Shown, commands: &mut Vec<Comman
     }
     path(ui, &painter, &map, motion, state);
     for (index, step) in motion.findings.steps.iter().enumerate() {
-        prediction(ui, &painter, &map, (index, step), state, motion, commands);
+        let was = earlier(shown, state.preview, step);
+        prediction(ui, &painter, &map, (index, step, was), state, motion, commands);
     }
+}
+
+/// m: how far off the same step is in the file, where that is another number.
+fn earlier(shown: &Shown, preview: Preview, step: &StepVerdict) -> Option<f64> {
+    shown.after.as_ref().filter(|_| preview != Preview::Original)?;
+    let same = |was: &&StepVerdict| was.foot == step.foot && was.touch_down.abs_diff(step.touch_down) <= 3;
+    let was = shown.before.findings.steps.iter().find(same)?.error_m;
+    ((was - step.error_m).abs() > 0.005).then_some(was)
 }
 
 /// The way of the walk; ahead where it goes nowhere.
@@ -191,7 +200,7 @@ fn prediction(
     ui: &Ui,
     painter: &Painter,
     map: &PlanMap,
-    (index, step): (usize, &StepVerdict),
+    (index, step, was): (usize, &StepVerdict, Option<f64>),
     state: &State,
     motion: &Motion,
     commands: &mut Vec<Command>,
@@ -229,7 +238,8 @@ fn prediction(
         let anchor = if left { Align2::RIGHT_CENTER } else { Align2::LEFT_CENTER };
         let edge = touch(map, print, from);
         let at = Pos2::new(if left { edge.left() } else { edge.right() }, from.y) + aside * 0.5;
-        painter.text(at, anchor, format!("{cm:.0} cm"), TextStyle::Small.resolve(ui.style()), color);
+        let was = was.map(|was| format!(" (was {:.0})", 100.0 * was)).unwrap_or_default();
+        painter.text(at, anchor, format!("{cm:.0} cm{was}"), TextStyle::Small.resolve(ui.style()), color);
     }
     if response.clicked() {
         commands.push(Command::Footprint(index));

@@ -86,7 +86,7 @@ pub enum Command {
     Preview(Preview),
     /// Lists flags of that rule, or no more.
     Toggle(Rule),
-    /// Says what he thinks of a correction.
+    /// Accepts or rejects a correction, or takes that back.
     Decide(usize, Decision),
     /// Accepts all that are not decided.
     AcceptAll,

@@ -169,11 +169,10 @@ impl Lanes<'_> {
     }
 
     fn flags(&self, ui: &Ui, lane: Rect, commands: &mut Vec<Command>) {
-        let mut free = [0_usize; ROWS];
-        let height = (lane.height() - 2.0) / ROWS as f32;
-        for (index, flag) in self.shown.before.findings.flags.iter().enumerate() {
-            let row = (0..ROWS).find(|row| free[*row] <= flag.start).unwrap_or(ROWS - 1);
-            free[row] = free[row].max(flag.end + 1);
+        let flags = &self.shown.before.findings.flags;
+        let rows = rows(flags);
+        let height = (lane.height() - 2.0) / (rows.iter().max().map_or(1, |row| row + 1)).max(2) as f32;
+        for (index, (flag, row)) in flags.iter().zip(rows).enumerate() {
             if self.state.hidden.contains(&flag.rule) || !self.seen(flag.start, flag.end) {
                 continue;
             }
@@ -214,7 +213,9 @@ impl Lanes<'_> {
             let told = format!("correction {from}-{to}, {}", colors::word(repair.decision));
             response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &told));
             match repair.decision {
-                Decision::Accepted => drop(self.painter.rect_filled(bar, 2.0, color)),
+                Decision::Accepted => {
+                    self.painter.rect_filled(bar, 2.0, color);
+                }
                 Decision::Pending => {
                     self.painter.rect_filled(bar, 2.0, color.gamma_multiply(0.35));
                     outlined(&self.painter, bar, color);
@@ -223,6 +224,9 @@ impl Lanes<'_> {
                     outlined(&self.painter, bar, color);
                     self.painter.hline(bar.x_range(), bar.center().y, Stroke::new(1.0, color));
                 }
+            }
+            if self.state.selected_repair() == Some(index) {
+                outlined(&self.painter, bar.expand(1.0), ui.visuals().strong_text_color());
             }
             let answered = |flag: &Flag| repair.answers_any(&[crate::correct::Target::of(flag)]);
             if response.clicked()
@@ -278,6 +282,17 @@ impl Lanes<'_> {
     }
 }
 
+/// Which row of the lane each flag stands in: the first that is free.
+fn rows(flags: &[Flag]) -> Vec<usize> {
+    let mut free = [0_usize; ROWS];
+    let place = |flag: &Flag| {
+        let row = (0..ROWS).find(|row| free[*row] <= flag.start).unwrap_or(ROWS - 1);
+        free[row] = free[row].max(flag.end + 1);
+        row
+    };
+    flags.iter().map(place).collect()
+}
+
 fn outlined(painter: &Painter, rect: Rect, color: Color32) {
     painter.rect_stroke(rect, 2.0, Stroke::new(1.0, color), egui::StrokeKind::Inside);
 }
@@ -286,4 +301,28 @@ fn outlined(painter: &Painter, rect: Rect, color: Color32) {
 pub fn label(flag: &Flag) -> String {
     let foot = flag.foot.map(|foot| format!(" {foot}")).unwrap_or_default();
     format!("{} {}-{}{foot}", flag.rule.name(), flag.start, flag.end)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::findings::Rule;
+
+    fn flag(start: usize, end: usize) -> Flag {
+        let (severity, measured, predicted, delta_m, why) = (0.6, 0.0, 0.0, 0.1, String::new());
+        Flag { start, end, rule: Rule::FootSlide, foot: Some("left"), severity, measured, predicted, delta_m, why }
+    }
+
+    #[test]
+    fn flags_that_share_frames_stand_in_rows_and_have_names() {
+        let flags = [flag(0, 9), flag(5, 20), flag(9, 12), flag(10, 30), flag(11, 12), flag(40, 41)];
+        assert_eq!(rows(&flags), [0, 1, 2, 0, 2, 0]);
+        assert_eq!(label(&flags[1]), "foot-slide 5-20 left");
+        assert_eq!(label(&Flag { foot: None, rule: Rule::Balance, ..flags[0].clone() }), "balance 0-9");
+    }
+
+    #[test]
+    fn a_click_means_a_whole_frame() {
+        assert!((snapped(0.51, 30.0) - 0.5).abs() < 1e-12 && (snapped(0.52, 30.0) - 16.0 / 30.0).abs() < 1e-12);
+    }
 }
