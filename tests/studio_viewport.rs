@@ -98,11 +98,22 @@ fn save(name: &str, image: &RgbaImage) {
 
 /// A window of that size that shows one thing with one viewport.
 fn picture(name: &str, size: [f32; 2], dark: bool, draw: impl FnMut(&mut egui::Ui)) -> Option<RgbaImage> {
-    let state = device(FINE)?;
+    picture_of(name, size, dark, (FINE, 1.0), draw)
+}
+
+fn picture_of(
+    name: &str,
+    size: [f32; 2],
+    dark: bool,
+    (quality, scale): (Quality, f32),
+    draw: impl FnMut(&mut egui::Ui),
+) -> Option<RgbaImage> {
+    let state = device(quality)?;
     let theme = if dark { egui::Theme::Dark } else { egui::Theme::Light };
     let mut harness = Harness::builder()
         .with_size(size)
         .with_theme(theme)
+        .with_pixels_per_point(scale)
         .renderer(WgpuTestRenderer::from_render_state(state))
         .build_ui(draw);
     harness.run_steps(3);
@@ -200,6 +211,14 @@ fn scenes_of_every_kind_are_drawn() {
                 viewport.camera.look(from);
             }
         });
+    }
+    for (name, scale) in [("software.png", 1.0), ("hidpi.png", 2.0)] {
+        let mut viewport = Viewport::default();
+        let time = mid_push(&shown.baked);
+        let drawn = picture_of(name, [960.0, 640.0], true, (Quality::SOFTWARE, scale), |ui| {
+            shown.ui(&mut viewport, ui, time);
+        });
+        assert_eq!(drawn.map(|image| image.width()), Some((960.0 * scale) as u32));
     }
     let body = common::builtin().body;
     let pose = shown.baked.performance.timeline.pose_at(1.2);
