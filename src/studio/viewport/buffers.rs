@@ -27,10 +27,32 @@ pub(super) struct Material {
     pub(super) indices: std::ops::Range<u32>,
     /// Linear RGBA.
     pub(super) color: [f32; 4],
-    /// Has a picture.
-    pub(super) textured: bool,
+    /// Its picture.
+    pub(super) skin: Skin,
     /// White where it has none.
     pub(super) texture: wgpu::BindGroup,
+}
+
+/// What a material's picture is like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Skin {
+    /// There is none.
+    Plain,
+    /// It covers all.
+    Whole,
+    /// Its alpha cuts holes.
+    Holed,
+}
+
+impl Skin {
+    fn of(image: Option<&RgbaImage>) -> Skin {
+        match image {
+            None => Skin::Plain,
+            // The alpha from which on the shader leaves a point out.
+            Some(image) if image.pixels().any(|pixel| pixel[3] < 102) => Skin::Holed,
+            Some(_) => Skin::Whole,
+        }
+    }
 }
 
 /// How textures are bound.
@@ -106,7 +128,7 @@ impl Buffers {
             let image = texture.and_then(|index| images.get(index)).and_then(Option::as_ref);
             let texture = texture.filter(|_| image.is_some());
             let bound = uploaded.entry(texture).or_insert_with(|| textures.bind(device, queue, image)).clone();
-            Material { indices, color, textured: image.is_some(), texture: bound }
+            Material { indices, color, skin: Skin::of(image), texture: bound }
         };
         let mut materials: Vec<Material> =
             materials.into_iter().map(|(range, color, texture)| material(range, color, texture)).collect();

@@ -76,6 +76,7 @@ pub(super) struct Layouts {
 pub(super) struct Pipelines {
     pub(super) mesh: wgpu::RenderPipeline,
     pub(super) mesh_textured: wgpu::RenderPipeline,
+    pub(super) mesh_holed: wgpu::RenderPipeline,
     pub(super) mesh_ground: wgpu::RenderPipeline,
     pub(super) mesh_shadow: wgpu::RenderPipeline,
     pub(super) ghost_depth: wgpu::RenderPipeline,
@@ -310,6 +311,7 @@ impl Pipelines {
         Pipelines {
             mesh: make(&mesh),
             mesh_textured: make(&Way { label: "textured", fragment: Some(("surface_textured", None, every)), ..mesh }),
+            mesh_holed: make(&Way { label: "holed", fragment: Some(("surface_holed", None, every)), ..mesh }),
             mesh_ground: make(&Way { label: "squares", fragment: Some(("surface_ground", None, every)), ..mesh }),
             mesh_shadow: make(&Way { label: "mesh shadow", vertex: "skinned_shadow", fragment: None, ..mesh }),
             ghost_depth: make(&Way { label: "ghost depth", fragment: Some(("surface_ghost", None, hidden)), ..mesh }),

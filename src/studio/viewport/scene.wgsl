@@ -119,6 +119,16 @@ fn covered(uv: vec2f, depth: f32, radius: f32, taps: u32) -> f32 {
     return 1.0 - lit / f32(taps);
 }
 
+// The same with one look where shadows are not soft: for surfaces, whose own shading hides the steps.
+fn shaded_body(place: vec3f, normal: vec3f) -> f32 {
+    if soft {
+        return shaded(place, normal);
+    }
+    let clip = scene.light_from_world * vec4f(place + normal * scene.key.w * 2.0, 1.0);
+    let uv = clip.xy * vec2f(0.5, -0.5) + 0.5;
+    return 1.0 - textureSampleCompareLevel(shadow_map, shadow_sampler, uv, min(clip.z, 1.0) - 0.004 * scene.shadow.y);
+}
+
 // 0..1, how much of the lamp is hidden from a place. What throws the shadow is taken in three slices by its distance, each
 // blurred by a width of its own, so that a foot on the ground is sharp and the head is not.
 fn shaded(place: vec3f, normal: vec3f) -> f32 {
@@ -219,18 +229,28 @@ fn facing(normal: vec3f, front: bool) -> vec3f {
 fn surface(in: Varied, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let toward = normalize(scene.eye.xyz - in.place);
     let normal = facing(in.normal, front);
-    return vec4f(lit(in.color.rgb, normal, toward, shaded(in.place, normal)), 1.0);
+    return vec4f(lit(in.color.rgb, normal, toward, shaded_body(in.place, normal)), 1.0);
+}
+
+fn textured(in: Varied, front: bool, texel: vec3f) -> vec4f {
+    let toward = normalize(scene.eye.xyz - in.place);
+    let normal = facing(in.normal, front);
+    return vec4f(lit(in.color.rgb * texel, normal, toward, shaded_body(in.place, normal)), 1.0);
 }
 
 @fragment
 fn surface_textured(in: Varied, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    return textured(in, front, textureSample(skin, skin_sampler, in.uv).rgb);
+}
+
+// A picture with holes. What may be discarded has its depth known late: the others go without.
+@fragment
+fn surface_holed(in: Varied, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let texel = textureSample(skin, skin_sampler, in.uv);
     if texel.a < 0.4 {
         discard;
     }
-    let toward = normalize(scene.eye.xyz - in.place);
-    let normal = facing(in.normal, front);
-    return vec4f(lit(in.color.rgb * texel.rgb, normal, toward, shaded(in.place, normal)), 1.0);
+    return textured(in, front, texel.rgb);
 }
 
 @fragment
@@ -266,8 +286,8 @@ fn surface_ground(in: Varied, @builtin(front_facing) front: bool) -> @location(0
 fn surface_loose(in: Varied) -> @location(0) vec4f {
     let toward = normalize(scene.eye.xyz - in.place);
     let normal = normalize(in.normal);
-    let facing = normal * select(-1.0, 1.0, dot(normal, toward) > 0.0);
-    return vec4f(lit(in.color.rgb, facing, toward, shaded(in.place, facing)), in.color.a);
+    let outward = normal * select(-1.0, 1.0, dot(normal, toward) > 0.0);
+    return vec4f(lit(in.color.rgb, outward, toward, shaded_body(in.place, outward)), in.color.a);
 }
 
 @fragment

@@ -1,5 +1,6 @@
 //! One viewport's own picture on the graphics card: its targets, what changes each frame, and the passes.
 
+use super::buffers::{Buffers, Material, Skin};
 use super::frame::{Drawn, Frame, Kind, LOOSE, MATRIX};
 use super::gpu::{Blits, COLOR, DEPTH, Gpu, Quality, RAW};
 use eframe::wgpu;
@@ -189,13 +190,14 @@ impl View {
         let mut draw_calls = 0;
         pass.set_bind_group(2, &self.shadow_bound, &[]);
         let pipelines = &gpu.pipelines;
-        for (pipeline, kind, textured) in [
-            (&pipelines.mesh, Kind::Solid, false),
-            (&pipelines.mesh_textured, Kind::Solid, true),
-            (&pipelines.mesh_ground, Kind::Ground, false),
+        for (pipeline, kind, skin) in [
+            (&pipelines.mesh, Kind::Solid, Skin::Plain),
+            (&pipelines.mesh_textured, Kind::Solid, Skin::Whole),
+            (&pipelines.mesh_holed, Kind::Solid, Skin::Holed),
+            (&pipelines.mesh_ground, Kind::Ground, Skin::Plain),
         ] {
             pass.set_pipeline(pipeline);
-            for call in calls.iter().filter(|call| (call.drawn.kind, call.material.textured) == (kind, textured)) {
+            for call in calls.iter().filter(|call| (call.drawn.kind, call.material.skin) == (kind, skin)) {
                 call.textured(&mut pass, scene);
                 draw_calls += 1;
             }
@@ -311,8 +313,8 @@ impl View {
 /// One draw of a mesh.
 struct Call<'a> {
     drawn: &'a Drawn,
-    buffers: &'a super::buffers::Buffers,
-    material: &'a super::buffers::Material,
+    buffers: &'a Buffers,
+    material: &'a Material,
     offset: u32,
 }
 
