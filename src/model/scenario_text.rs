@@ -40,8 +40,7 @@ pub fn read(name: &str, text: &str) -> Result<(Scenario, ScenarioSource), Scenar
     }
     // Rules are checked beside what could be read, but not on the values that could not.
     let misread: Vec<String> = faults.iter().map(|fault| fault.path.clone()).collect();
-    let rules = scenario.validate();
-    let further = rules.into_iter().filter(|rule| !misread.iter().any(|path| touches(path, &rule.path)));
+    let further = scenario.validate().into_iter().filter(|rule| !misread.iter().any(|path| touches(path, &rule.path)));
     faults.extend(further.map(|fault| source.locate(&fault)));
     Err(source.collect(faults))
 }

@@ -5,6 +5,7 @@
 //! what must outlive a crash. egui and eframe are named in this folder only, and everything it does goes through the calls of the rows above.
 
 pub mod app;
+pub mod asking;
 pub mod audit_desk;
 pub mod audit_view;
 pub mod author;

@@ -3,6 +3,9 @@
 //! Edits go into [`History`]; whatever the document is after them is baked by the worker, kept for the case of a crash, and drawn by the
 //! panels, which read this and change nothing.
 
+mod answers;
+
+pub use super::asking::{Asking, Message, Purpose};
 use super::command::{Command, View};
 use super::document::{Document, Edit, Entry, Place};
 use super::errands::{self, Done, Errand, Listed};
@@ -18,7 +21,6 @@ use crate::disk::{Failure, clip_files};
 use crate::model::Scenario;
 use crate::model::scenario::Marker;
 use crate::model::scenario_errors::Fault;
-use crate::model::scenario_write::write;
 use crate::rig::Rig;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -29,51 +31,6 @@ const KEPT_EVERY: Duration = Duration::from_millis(1000);
 
 /// Without an edit for so long the person rests.
 const RESTS: Duration = Duration::from_millis(250);
-
-/// A message for the person.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Message {
-    /// What happened, and behind `help:` what to do.
-    pub text: String,
-    /// Something went wrong.
-    pub bad: bool,
-}
-
-/// What a file is chosen for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Purpose {
-    /// Anything that can be opened.
-    Open,
-    /// A rig.
-    Rig,
-    /// A clip under the reaction.
-    Base,
-    /// The scenario's place.
-    Save,
-    /// The baked clip's place.
-    Export,
-    /// A clip to audit.
-    Clip,
-    /// The corrected clip's place.
-    Corrected,
-    /// A sweep's place.
-    Sweep,
-    /// A folder for a batch.
-    Folder,
-}
-
-/// A question that stands in front of everything else.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Asking {
-    /// Which file?
-    File(Purpose),
-    /// Save before that?
-    Unsaved(Box<Command>),
-    /// Take up what a crash left?
-    Recover(PathBuf, Unsaved),
-    /// The keys.
-    Keys,
-}
 
 /// What the desks of the other views are asked to do with a file that was chosen.
 pub type Chosen = (Purpose, PathBuf);
@@ -210,111 +167,6 @@ impl State {
             && let Some((copy, unsaved)) = self.crashed.pop()
         {
             self.asking = Some(Asking::Recover(copy, unsaved));
-        }
-    }
-
-    /// Bakes the document if it is not what was asked last.
-    fn ask(&mut self) {
-        if self.asked.as_ref() == Some(self.document()) {
-            return;
-        }
-        let document = self.document().clone();
-        self.faults = document.scenario.validate();
-        self.asked = Some(document.clone());
-        if self.selected.is_some_and(|place| document.entry(place).is_none()) {
-            self.selected = None;
-        }
-        self.unchosen = None;
-        if self.faults.is_empty() {
-            self.edit += 1;
-            self.bake.ask_only(Question { edit: self.edit, document, file: self.file.clone(), asked: Instant::now() });
-        }
-    }
-
-    /// Asks whether the ragdoll does it better, once the person rests: that takes longer than a drag waits.
-    fn ask_ragdoll(&mut self) {
-        let rested = self.unchosen.is_some_and(|came| came.elapsed() >= RESTS);
-        let asked = self.asked.as_ref() == Some(self.document());
-        if let Some(shown) =
-            self.shown.as_ref().filter(|shown| rested && asked && shown.edit == self.edit && !shown.last)
-        {
-            self.choose.ask_only((self.document().clone(), shown.clone()));
-            self.unchosen = None;
-        }
-    }
-
-    fn baked(&mut self, answer: Answer) {
-        match answer {
-            Answer::Rig(rig) => self.rig = Some(rig),
-            Answer::Clip(shown) if shown.edit < self.shown.as_ref().map_or(0, |held| held.edit) => {}
-            Answer::Clip(shown) => {
-                self.failure = None;
-                self.unchosen = (!shown.last).then(Instant::now);
-                self.rig = Some(Arc::clone(&shown.rig));
-                self.shown = Some(*shown);
-                self.playback.time = self.playback.time.min(self.duration());
-                if self.is_fresh()
-                    && let Some(path) = self.export.take()
-                {
-                    self.export(path);
-                }
-            }
-            Answer::Curves(edit, curves) => {
-                if self.shown.as_ref().is_some_and(|shown| shown.edit == edit) {
-                    self.curves = Some(curves);
-                }
-            }
-            Answer::Failed(edit, failure) => {
-                if edit >= self.edit && self.export.take().is_some() {
-                    self.say_bad(format!("nothing was exported: {}", failure.message));
-                }
-                self.failure = Some(failure);
-            }
-        }
-    }
-
-    fn done(&mut self, done: Done) {
-        match done {
-            Done::Opened(path, scenario) => {
-                let known = self.remembered.recent.iter().find(|recent| recent.scenario == path);
-                let rig = self.rig_for.take().or_else(|| known.map(|recent| recent.rig.clone()));
-                let rig = rig.unwrap_or_else(|| self.document().rig.clone());
-                self.begin(Document::of(rig, *scenario), Some(path));
-                self.remember();
-            }
-            Done::Saved(path, scenario) => {
-                self.say(format!("saved {}", path.display()));
-                self.file = Some(path);
-                self.history.saved(&scenario);
-                self.remember();
-                if let Some(then) = self.then.take() {
-                    self.carry_out(then);
-                }
-            }
-            Done::Exported(paths, warnings) => {
-                let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
-                self.say(format!("exported {}", names.join(", ")));
-                warnings.into_iter().for_each(|warning| self.say(format!("warning: {warning}")));
-            }
-            Done::Bones(path) => {
-                self.say(format!("wrote {}", path.display()));
-                self.history.apply(Edit::Bones(Default::default()), false);
-            }
-            Done::Listed(folder, entries) => self.listing = Some((folder, entries)),
-            Done::Woke(remembered, crashed) => {
-                let first = !remembered.knows_it;
-                self.remembered = *remembered;
-                self.crashed = crashed;
-                if first {
-                    self.remembered.knows_it = true;
-                    self.files.ask(Errand::Remember(Box::new(self.remembered.clone())));
-                }
-            }
-            Done::Failed(what, failure) => {
-                self.then = None;
-                self.rig_for = None;
-                self.say_bad(format!("could not {what}: {}", told(&failure)));
-            }
         }
     }
 
@@ -551,21 +403,6 @@ impl State {
             self.remembered.opened(&file, &rig);
             self.files.ask(Errand::Remember(Box::new(self.remembered.clone())));
         }
-    }
-
-    /// Keeps a copy of unsaved work, a second after the last one at the latest.
-    fn keep(&mut self) {
-        let due = self.kept.as_ref().is_none_or(|(kept, at)| kept != self.document() && at.elapsed() >= KEPT_EVERY);
-        if !due || self.closing {
-            return;
-        }
-        let document = self.document().clone();
-        let unsaved = self.history.is_unsaved().then(|| {
-            let (file, rig) = (self.file.clone(), document.rig.clone());
-            Box::new(Unsaved { text: write(&document.scenario), file, rig })
-        });
-        self.files.ask(Errand::Keep(unsaved));
-        self.kept = Some((document, Instant::now()));
     }
 
     /// A path as a scenario names it: from the scenario's folder where it lies in it.
