@@ -17,7 +17,7 @@ use surefoot::studio::state::Asking;
 type Window<'a> = Harness<'a, Studio>;
 
 /// A window with a home of its own, on a file or on none.
-fn window<'a>(home: &Path, open: Option<PathBuf>) -> Window<'a> {
+pub fn window<'a>(home: &Path, open: Option<PathBuf>) -> Window<'a> {
     let home = Home::new(Some(home.to_owned()));
     let mut window = Harness::builder()
         .with_size([1280.0, 900.0])
@@ -30,7 +30,7 @@ fn window<'a>(home: &Path, open: Option<PathBuf>) -> Window<'a> {
 }
 
 /// Goes on until nothing is worked on.
-fn settle(window: &mut Window) {
+pub fn settle(window: &mut Window) {
     let began = Instant::now();
     // An answer may ask for more: it rests when it is idle from frame to frame.
     let mut idle = 0;
@@ -42,12 +42,12 @@ fn settle(window: &mut Window) {
     }
 }
 
-fn click(window: &mut Window, label: &str) {
+pub fn click(window: &mut Window, label: &str) {
     window.get_by_label(label).click();
     settle(window);
 }
 
-fn key(window: &mut Window, modifiers: Modifiers, key: Key) {
+pub fn key(window: &mut Window, modifiers: Modifiers, key: Key) {
     window.key_press_modifiers(modifiers, key);
     settle(window);
 }
@@ -72,7 +72,7 @@ fn pushes(window: &Window) -> Vec<surefoot::model::scenario::Push> {
 }
 
 /// Types a file's place into the dialog and confirms it.
-fn choose(window: &mut Window, path: &Path, field: &str, verb: &str) {
+pub fn choose(window: &mut Window, path: &Path, field: &str, verb: &str) {
     window.get_by_role_and_label(egui::accesskit::Role::TextInput, field).focus();
     window.run_steps(1);
     window.key_press_modifiers(Modifiers::COMMAND, Key::A);
@@ -138,6 +138,7 @@ fn a_push_is_added_dragged_stretched_strengthened_turned_and_undone() {
     }
     assert_eq!(pushes(&window)[1].toward, Direction::Front);
     assert!(two > 0 && count(&window) == 2);
+    click(&mut window, "Push 2");
     key(&mut window, Modifiers::NONE, Key::Delete);
     assert_eq!(pushes(&window).len(), 1);
 }
@@ -146,7 +147,7 @@ fn a_push_is_added_dragged_stretched_strengthened_turned_and_undone() {
 fn every_lane_takes_an_entry_that_bakes() {
     let home = tempfile::tempdir().expect("a folder");
     for lane in Lane::ALL {
-        let mut window = window(home.path(), None);
+        let mut window = window(&home.path().join(lane.name()), None);
         window.state_mut().state.apply(Command::Edit(Edit::Remove(Place { lane: Lane::Push, index: 0 })));
         window.state_mut().state.apply(Command::Seek(0.5));
         click(&mut window, &format!("Add {}", lane.name().to_lowercase()));

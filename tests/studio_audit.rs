@@ -84,7 +84,7 @@ fn settle(harness: &mut Harness<Window>) {
 }
 
 /// A walk whose foot slides once, and which hovers at another time.
-fn spoiled(folder: &Path) -> PathBuf {
+pub fn spoiled(folder: &Path) -> PathBuf {
     let file = read("walk.glb", walk_bytes());
     let reading = file.reading(1, &Options::default()).expect("a clip");
     let both = (0..12).flat_map(|one| (0..12).map(move |other| (one, other))).find_map(|(one, other)| {
@@ -98,7 +98,7 @@ fn spoiled(folder: &Path) -> PathBuf {
     path
 }
 
-fn walk_of(path: &Path) -> Capture {
+pub fn walk_of(path: &Path) -> Capture {
     let bytes = std::fs::read(path).expect("it is there");
     read("spoiled.glb", &bytes).capture(1, &Options::default()).expect("a clip")
 }

@@ -104,6 +104,9 @@ mod studio_seen;
 /// The studio's viewport: pictures without a window, pushes by hand, costs.
 #[cfg(feature = "studio")]
 mod studio_viewport;
+/// The studio's other views in its own window.
+#[cfg(feature = "studio")]
+mod studio_views;
 /// Rigs and motions made by hand for the modules above.
 mod synthetic;
 /// VRM animations: the specification, the same pose, read back.

@@ -83,9 +83,8 @@ fn open_studio(args: &args::StudioArgs, studio: Option<OpenStudio>) -> Result<Ex
     if let Some(file) = args.file.as_deref().filter(|file| file.as_os_str() != "builtin") {
         crate::disk::resolve::plain_file(file, "give a scenario, a rig or a clip; or none, for the built-in rig")?;
     }
-    match open(args.file.clone(), args.measure).map_err(Failure::failed)? {
-        Some(times) => say(&format!("{times}\n"))?,
-        None => {}
+    if let Some(times) = open(args.file.clone(), args.measure).map_err(Failure::failed)? {
+        say(&format!("{times}\n"))?;
     }
     Ok(Exit::Done)
 }

@@ -115,7 +115,7 @@ impl Home {
         copies.sort_by_key(|path| (fs::metadata(path).and_then(|there| there.modified()).ok(), path.clone()));
         copies
             .into_iter()
-            .filter(|copy| !self.own.as_ref().is_some_and(|(own, _)| own == copy))
+            .filter(|copy| self.own.as_ref().is_none_or(|(own, _)| own != copy))
             .filter(|copy| File::open(copy.with_extension("lock")).is_ok_and(|lock| lock.try_lock().is_ok()))
             .filter_map(|copy| Some((copy.clone(), serde_json::from_slice(&fs::read(&copy).ok()?).ok()?)))
             .collect()

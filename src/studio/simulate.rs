@@ -100,7 +100,7 @@ pub fn start(wake: Wake) -> Worker<Question, Answer> {
         };
         // In a pool the poses of one clip are shared out to the cores.
         match &pool {
-            Some(pool) => pool.install(|| answer()),
+            Some(pool) => pool.install(&mut answer),
             None => answer(),
         }
     };

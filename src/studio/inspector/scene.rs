@@ -8,6 +8,11 @@ use crate::studio::command::Command;
 use crate::studio::document::{Document, Edit};
 use eframe::egui;
 
+/// Name, hint, value, what it is without a word, and how it is set.
+type Dial<T> = (&'static str, &'static str, f64, f64, fn(&mut T, f64));
+/// The same of style, where all are 0.5 without a word.
+type StyleDial = (&'static str, &'static str, f64, fn(&mut Style, f64));
+
 /// What the whole scenario is.
 pub fn scene(ui: &mut egui::Ui, document: &Document, commands: &mut Vec<Command>) {
     let scenario = &document.scenario;
@@ -52,7 +57,7 @@ pub fn character(ui: &mut egui::Ui, document: &Document, rig: Option<&Rig>, comm
         number
             .default(default.leg_scale)
             .row(ui, character.leg_scale, commands, |value| with(&|changed| changed.leg_scale = value));
-        let dials: [(&str, &str, f64, f64, fn(&mut Character, f64)); 3] = [
+        let dials: [Dial<Character>; 3] = [
             (
                 "Agility",
                 "how fast it reacts and swings its feet: 0.5 an ordinary adult, 1 whatever balance takes",
@@ -82,7 +87,7 @@ pub fn character(ui: &mut egui::Ui, document: &Document, rig: Option<&Rig>, comm
     ui.label("Style").on_hover_text("0.5 as found in people");
     let style = character.style;
     grid(ui, "style", |ui| {
-        let dials: [(&str, &str, f64, fn(&mut Style, f64)); 5] = [
+        let dials: [StyleDial; 5] = [
             ("Step height", "how high the swinging foot goes", style.step_height, |style, value| {
                 style.step_height = value
             }),
@@ -128,7 +133,7 @@ pub fn ground(ui: &mut egui::Ui, document: &Document, commands: &mut Vec<Command
             &ground.kind,
             &choices,
             commands,
-            &with,
+            with,
         );
         match ground.kind.clone() {
             GroundKind::Flat | GroundKind::Platform { .. } => {}
