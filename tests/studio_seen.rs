@@ -6,7 +6,6 @@ use egui_kittest::wgpu::WgpuTestRenderer;
 use std::panic::catch_unwind;
 
 /// A harness that can draw; `None`, told plainly, where no adapter is. With CI set that fails.
-#[expect(clippy::print_stdout, reason = "a test that did not run says so")]
 pub fn harness<'a>(
     size: [f32; 2],
     (scale, theme): (f32, egui::Theme),
@@ -18,6 +17,7 @@ pub fn harness<'a>(
 }
 
 /// What draws without a window; `None`, told plainly, where no adapter is. With CI set that fails.
+#[expect(clippy::print_stdout, reason = "a test that did not run says so")]
 pub fn renderer() -> Option<WgpuTestRenderer> {
     // It panics where there is none.
     let renderer = catch_unwind(WgpuTestRenderer::new).ok();

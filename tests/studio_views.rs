@@ -43,12 +43,10 @@ fn a_variation_of_the_grid_becomes_the_scenario_in_one_step_of_the_history() {
     let mut window = window(folder.path(), None);
     click(&mut window, "Batch");
     click(&mut window, "Bake the grid");
-    let cell = window.query_all_by_role(egui::accesskit::Role::Button).filter_map(|node| {
-        let label = node.accesskit_node().label()?;
-        label.contains("step ").then_some(label)
-    });
-    let cell = cell.last().expect("some step");
-    click(&mut window, &cell);
+    let labels =
+        window.query_all_by_role(egui::accesskit::Role::Button).filter_map(|node| node.accesskit_node().label());
+    let cells: Vec<String> = labels.filter(|label| label.contains(": ") && label.contains("step")).collect();
+    click(&mut window, cells.last().expect("some step"));
     click(&mut window, "Open this one");
     assert_eq!(window.state().state.view, View::Author);
     assert_ne!(window.state().state.document().scenario, surefoot::model::Scenario::demo());
