@@ -155,7 +155,7 @@ pub fn shortcuts() -> Vec<Shortcut> {
 }
 
 /// What the mouse and the keys of single views do: for the list only.
-pub const BESIDES: [(&str, &str); 12] = [
+pub const BESIDES: [(&str, &str); 13] = [
     ("Cut, copy, paste the entry", "Ctrl+X, Ctrl+C, Ctrl+V"),
     ("Push the character", "drag it with the left button"),
     ("Look around, shift, come nearer", "right drag, Shift + right drag, wheel"),
@@ -165,7 +165,8 @@ pub const BESIDES: [(&str, &str); 12] = [
     ("Without snapping", "Alt while dragging"),
     ("Direction and more of an entry", "right click"),
     ("Zoom and shift the timeline", "Ctrl + wheel, wheel or middle drag"),
-    ("Next and previous flag (Audit)", "N, B"),
+    ("Next and previous flag (Audit)", "N, P"),
+    ("Accept and reject its correction (Audit)", "A, R"),
     ("Larger, smaller, ordinary size", "Ctrl + plus, Ctrl + minus, Ctrl + 0"),
     ("Stop typing", "Escape"),
 ];

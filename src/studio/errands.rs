@@ -3,6 +3,7 @@
 //! Everything is read and written by `disk`: whole files or none, and never over an input.
 
 use super::home::{Home, Remembered, Unsaved};
+use super::rewrite::rewrite;
 use super::simulate::Shown;
 use super::worker::{Reply, Wake, Worker};
 use crate::batch::run::{engines, root_joint};
@@ -108,8 +109,12 @@ fn run(home: &mut Home, errand: Errand) -> Result<Option<Done>, Failure> {
             Some(Done::Opened(path, Box::new(scenario)))
         }
         Errand::Save(path, scenario) => {
-            let text = write(&scenario).into_bytes();
-            writer::write(&[Output { path: path.clone(), bytes: text }], &[])?;
+            // A person's own words stay in a text that is there.
+            let text = match std::fs::read_to_string(&path) {
+                Ok(old) => rewrite(&old, &scenario),
+                Err(_) => write(&scenario),
+            };
+            writer::write(&[Output { path: path.clone(), bytes: text.into_bytes() }], &[])?;
             Some(Done::Saved(path, scenario))
         }
         Errand::Export(path, shown, settings) => Some(export(&path, &shown, &settings)?),

@@ -25,6 +25,7 @@ pub mod measure;
 pub mod menu;
 pub mod playback;
 pub mod plots;
+pub mod rewrite;
 pub mod simulate;
 pub mod state;
 pub mod strength;

@@ -1,10 +1,10 @@
 //! The desk's bars: the file and what is saved of it above, the playhead's buttons below, and what is said where no clip is open or
 //! something went wrong. Texts are for a person.
 
-use super::icons::{self, Icon};
 use super::repairs::Decision;
 use super::shown::{Preview, Shown};
 use super::state::{Command, State};
+use crate::studio::icons::{self, Icon};
 use crate::studio::playback::SPEEDS;
 use eframe::egui::{Align, Button, ComboBox, Frame, Layout, Margin, RichText, Ui};
 
@@ -88,7 +88,7 @@ pub fn transport(ui: &mut Ui, state: &State, shown: &Shown, commands: &mut Vec<C
         let playing = state.playback.playing;
         let play = if playing { (Icon::Pause, "Stop") } else { (Icon::Play, "Play") };
         let mut sign = |ui: &mut Ui, icon: Icon, name: &str, key: &str, command: Command| {
-            if icons::button(ui, icon, name, &format!("{name} ({key})"), false).clicked() {
+            if icons::button(ui, icon, name, false).on_hover_text(key).clicked() {
                 commands.push(command);
             }
         };
@@ -101,7 +101,7 @@ pub fn transport(ui: &mut Ui, state: &State, shown: &Shown, commands: &mut Vec<C
         ui.monospace(format!("{frame:>4} / {last}   {:6.2} s", state.playback.time));
         speed(ui, state, commands);
         let again = "Begin again at the end";
-        if icons::button(ui, Icon::Loop, again, again, state.playback.looping).clicked() {
+        if icons::button(ui, Icon::Loop, again, state.playback.looping).clicked() {
             commands.push(Command::Loop);
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| preview(ui, state, shown, commands));

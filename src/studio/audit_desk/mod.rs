@@ -9,7 +9,6 @@ mod bars;
 mod colors;
 mod details;
 mod flags_list;
-mod icons;
 mod plan;
 pub mod repairs;
 pub mod shown;
