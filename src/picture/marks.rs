@@ -91,12 +91,17 @@ pub fn sole_mark(
     rear: &dyn Fn(DVec3) -> DVec3,
     front: &dyn Fn(DVec3) -> DVec3,
 ) -> SoleMark {
-    let shape = &body.feet[side as usize];
     let place = |levelled: &DVec3| {
         let (offset, by_toe) = unlevelled(body, side, *levelled);
         let moved = if by_toe { front(offset) } else { rear(offset) };
         DVec3::new(moved.x, 0.0, moved.z)
     };
+    placed_mark(body, side, part, &place)
+}
+
+/// The mark of a sole each of whose points, levelled and seen from the ankle, is placed by that map.
+pub fn placed_mark(body: &Body, side: Side, part: Part, place: &dyn Fn(&DVec3) -> DVec3) -> SoleMark {
+    let shape = &body.feet[side as usize];
     let outline = |from: f64, to: f64| sole_outline(body, side, from, to).iter().map(place).collect();
     let held = match part {
         Part::Flat => (shape.heel, shape.tip),

@@ -181,7 +181,7 @@ impl eframe::App for Studio {
         self.outside(ctx);
         self.look(ctx);
         if let Some(measure) = &mut self.measure {
-            measure.frame(ctx, &mut self.state, passed);
+            measure.frame(ctx, &mut self.state);
         }
         let plays = match self.state.view {
             View::Author => self.state.playback.playing,

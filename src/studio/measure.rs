@@ -63,7 +63,7 @@ impl Measure {
     }
 
     /// A frame begins.
-    pub fn frame(&mut self, ctx: &egui::Context, state: &mut State, _: f64) {
+    pub fn frame(&mut self, ctx: &egui::Context, state: &mut State) {
         ctx.request_repaint();
         let now = Instant::now();
         let first = *self.first.get_or_insert(now);

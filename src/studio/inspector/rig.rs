@@ -10,30 +10,11 @@ use crate::studio::document::Edit;
 use crate::studio::state::State;
 use eframe::egui;
 
-/// Bones that are always listed: what a humanoid must have, and hands, feet and toes.
-const LISTED: [Role; 21] = [
-    Role::Hips,
-    Role::Spine,
-    Role::Chest,
-    Role::UpperChest,
-    Role::Neck,
-    Role::Head,
-    Role::LeftUpperArm,
-    Role::LeftLowerArm,
-    Role::LeftHand,
-    Role::RightUpperArm,
-    Role::RightLowerArm,
-    Role::RightHand,
-    Role::LeftUpperLeg,
-    Role::LeftLowerLeg,
-    Role::LeftFoot,
-    Role::LeftToes,
-    Role::RightUpperLeg,
-    Role::RightLowerLeg,
-    Role::RightFoot,
-    Role::RightToes,
-    Role::LeftShoulder,
-];
+/// Bones that are listed: the body's, without eyes, jaw and fingers.
+fn listed() -> impl Iterator<Item = Role> {
+    let face = [Role::Jaw, Role::LeftEye, Role::RightEye];
+    Role::ALL.iter().copied().filter(move |role| *role <= Role::RightToes && !face.contains(role))
+}
 
 /// Draws it.
 pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Vec<Command>) {
@@ -87,7 +68,7 @@ fn bones(ui: &mut egui::Ui, state: &State, rig: &Rig, commands: &mut Vec<Command
         });
     }
     grid(ui, "bones", |ui| {
-        for role in LISTED {
+        for role in listed() {
             let node = rig.mapping.bones.get(&role).copied();
             let label = ui.label(role.name());
             let shown = node.map_or("none".to_owned(), |node| name(rig, node));

@@ -85,7 +85,7 @@ impl Timeline {
                 head(ui, row, lane, input.time, &mut commands);
                 blocks::lane(ui, &frame, row, lane, &mut self.grabbed, self.free, &mut commands);
             }
-            platform::lane(ui, &frame, LANE, &mut self.grabbed, &mut commands);
+            platform::lane(ui, &frame, LANE, &mut commands);
             tracks::ui(ui, &frame.map, input.shown, input.fresh, &mut commands);
             let bottom = ui.min_rect().bottom();
             let clip = Rect::from_min_max(pos2(area.left(), top), pos2(area.right(), bottom));

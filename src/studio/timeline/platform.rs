@@ -2,7 +2,6 @@
 //!
 //! Across is time, up is the angle. Other grounds have no line; a button makes the ground a platform. Angles rad.
 
-use super::blocks::Grabbed;
 use super::{Frame, HEAD, knob, row};
 use crate::model::scenario::{Ground, GroundKind};
 use crate::studio::command::Command;
@@ -13,13 +12,7 @@ use eframe::egui::{self, Align2, Color32, FontId, Rect, Sense, Stroke, pos2, vec
 const MOST: f64 = std::f64::consts::FRAC_PI_4;
 
 /// Draws the lane.
-pub(super) fn lane(
-    ui: &mut egui::Ui,
-    frame: &Frame,
-    height: f32,
-    _grabbed: &mut Option<Grabbed>,
-    commands: &mut Vec<Command>,
-) {
+pub(super) fn lane(ui: &mut egui::Ui, frame: &Frame, height: f32, commands: &mut Vec<Command>) {
     let ground = &frame.input.document.scenario.ground;
     let lines = match &ground.kind {
         GroundKind::Platform { pitch, roll } => Some([pitch.clone(), roll.clone()]),

@@ -10,7 +10,8 @@ use crate::maths::pendulum::{GRAVITY, rate};
 use crate::measure::{KnownPush, PushPoint};
 use crate::model::report::Part;
 use crate::model::{Body, Plant, Side, Terrain};
-use crate::picture::figure::{flat, sole_outline};
+use crate::picture::figure::flat;
+use crate::picture::marks::placed_mark;
 use crate::picture::{Overlay, Push, SoleMark};
 use crate::rig::Rig;
 use crate::stepper::{Params, Style};
@@ -247,13 +248,7 @@ fn sole(body: &Body, side: Side, part: Part, plant: &Plant) -> SoleMark {
         let rise = -(plant.normal.x * level.x + plant.normal.z * level.z) / plant.normal.y.max(0.1);
         plant.ankle + level + DVec3::Y * rise
     };
-    let outline = |from: f64, to: f64| sole_outline(body, side, from, to).iter().map(place).collect();
-    let held = match part {
-        Part::Flat => (shape.heel, shape.tip),
-        Part::Ball => (shape.ball, shape.tip),
-        Part::Heel => (shape.heel, shape.heel + (shape.tip - shape.heel) / 3.0),
-    };
-    SoleMark { side, part, whole: outline(shape.heel, shape.tip), held: outline(held.0, held.1) }
+    placed_mark(body, side, part, &place)
 }
 
 /// Contacts of a foot that follow each other without a gap are one stand.
