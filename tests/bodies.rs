@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use surefoot::model::{Body, Side};
 use surefoot::rig::mannequin::{BUILTIN, MannequinOptions, mannequin};
 use surefoot::rig::{Rig, load, load_bytes};
-use surefoot::whole_body::Anatomy;
+use surefoot::whole_body::{Anatomy, Solver, stand};
 
 fn data() -> Option<PathBuf> {
     let folder = std::env::var_os("SUREFOOT_DATA")
@@ -224,4 +224,32 @@ fn wide_clothes_spread_the_arms_and_narrow_hips_do_not() {
     for name in ["m2m_human_male.glb", "gdquest_mannequiny.glb", "sketchbook_boxman.glb"] {
         assert_eq!(spread(name), Some([0.0; 2]), "{name}");
     }
+}
+
+#[test]
+fn a_knee_that_swivels_goes_to_the_side_and_leaves_hip_and_foot_where_they_are() {
+    let rig = built_in(BUILTIN);
+    let anatomy = Anatomy::new(&rig.body);
+    let physique = stand::physique(&rig.body, &anatomy);
+    let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
+    let low = DVec3::Y * (physique.com_height - 0.15);
+    let solved = |swivel: f64| {
+        let mut target = stand::stand_target(&rig.body, &plants, low, 0.0);
+        target.feet[0].swivel = swivel;
+        let solved = Solver::new(&rig.body, &anatomy).solve(&target);
+        (solved.pose.positions(&rig.body), solved.knees[0])
+    };
+    let ((straight, bend), (turned, still)) = (solved(0.0), solved(0.2));
+    let leg = &anatomy.legs[0];
+    let moved = |joint: usize| turned[joint] - straight[joint];
+    // The thigh's mass moves, and the pelvis a little against it.
+    assert!(
+        moved(leg.upper).length() < 5e-3 && moved(leg.foot).length() < 1e-6,
+        "{} {}",
+        moved(leg.upper),
+        moved(leg.foot)
+    );
+    assert!((still - bend).abs() < 0.02 && bend > 0.8, "bends of {bend} and {still} rad");
+    let across = leg.thigh_length * (bend * 0.5).sin() * 0.2; // a knee's distance from the line, turned
+    assert!((moved(leg.lower).x + across).abs() < 0.3 * across, "{} for {across} to the right", moved(leg.lower));
 }

@@ -3,16 +3,19 @@
 //!
 //! A foot's curve knows the ground and not the shank above it. In the air a foot turns as its ankle likes; on its ball or
 //! heel it rolls a little; flat it does not. So pitch and roll beside the curve are fitted by the least acceleration that
-//! keeps flexion and inversion within range and the contact as it is; tilt and list of the pelvis likewise. What a flat
-//! foot's ankle bends is not eased here: that is up to when heels rise (`feet`) and feet leave (`footing`).
+//! keeps flexion and inversion within range and the contact as it is; tilt and list of the pelvis likewise. A knee that is bent
+//! turns in or out, so that its shank stands straighter over a flat foot. What such a foot's ankle flexes is not eased here: that
+//! is up to when heels rise (`feet`) and feet leave (`footing`).
 //! Scenario space, radians, seconds.
 
 use super::swing::Extra;
 use super::timeline::Timeline;
 use crate::maths::banded::BandedLeastSquares;
+use crate::maths::curve::smooth3;
 use crate::measure::joints::LegAngles;
 use crate::model::Side;
 use crate::whole_body::solve::Solved;
+use glam::{DQuat, DVec3};
 
 /// s, over which the fit slows the turn down, and over which it rounds it (for a centre of mass at 0.96 m).
 const SLOW: f64 = 0.05;
@@ -125,6 +128,50 @@ pub fn ease_hips(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], s
         fitted(&bounds, PELVIS_SLOWER * scale / dt)
     });
     timeline.pelvis = turns;
+}
+
+/// rad, the most that a knee turns in or out for its ankle.
+const SWIVEL: f64 = 14.0 * std::f64::consts::PI / 180.0;
+/// Inversion that a knee's turn yields, rad a rad: a straighter knee than the first does not turn, from the second on as far as any.
+const YIELDS: [f64; 2] = [0.08, 0.25];
+/// rad, by which a knee is turned to see what that yields.
+const PROBE: f64 = 1e-3;
+
+/// Fits the turns of both knees about the lines from hip to ankle that bring back into range what inversion [`ease`] left out of
+/// it. A walker's knees keep to their way.
+pub fn ease_knees(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], scale: f64) {
+    let dt = timeline.dt;
+    let first = (timeline.still_until / dt).round() as usize;
+    for side in Side::BOTH {
+        let leg = &timeline.anatomy.legs[side as usize];
+        let range = legs.ranges(side)[3];
+        let bounds: Vec<Bound> = (0..solved.len())
+            .map(|index| {
+                const NONE: Bound = Bound { room: [0.0; 2], wanted: [0.0; 2] };
+                let Some(angles) = legs.at(&solved[index].pose, side) else { return NONE };
+                if timeline.walking[index] > 0.0 || index <= first + 1 || index + 3 > solved.len() {
+                    return NONE;
+                }
+                let pose = &solved[index].pose;
+                let shank = timeline.body.offset(leg.foot);
+                let thigh = timeline.body.offset(leg.lower);
+                let axis = (pose.turns[leg.upper] * thigh + pose.turns[leg.lower] * shank).normalize_or(DVec3::NEG_Y);
+                let mut turned = pose.clone();
+                turned.turns[leg.lower] = DQuat::from_axis_angle(axis, PROBE) * pose.turns[leg.lower];
+                let Some(beside) = legs.at(&turned, side) else { return NONE };
+                let slope = (beside[3] - angles[3]) / PROBE;
+                let most = SWIVEL * smooth3((slope.abs() - YIELDS[0]) / (YIELDS[1] - YIELDS[0]));
+                if most <= 0.0 {
+                    return NONE;
+                }
+                let present = timeline.swivels[side as usize].get(index).copied().unwrap_or(0.0);
+                let ends = [range[0] + MARGIN, range[1] - MARGIN].map(|end| present + (end - angles[3]) / slope);
+                let wanted = [ends[0].min(ends[1]), ends[0].max(ends[1])].map(|end| end.clamp(-most, most));
+                Bound { room: [-most, most], wanted }
+            })
+            .collect();
+        timeline.swivels[side as usize] = fitted(&bounds, scale / dt);
+    }
 }
 
 /// What is possible at one entry, and what the ankle wants of it: least and greatest. rad.

@@ -323,6 +323,7 @@ impl FootPath {
             yaw,
             soft: 0.0,
             bend: None,
+            swivel: 0.0,
         }
     }
 

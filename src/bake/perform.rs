@@ -223,6 +223,7 @@ pub fn perform_over(
         lowering: vec![0.0; count],
         walking: walking(ticks, trace.dt, scale),
         bends: [Vec::new(), Vec::new()],
+        swivels: [Vec::new(), Vec::new()],
         pelvis: [Vec::new(), Vec::new()],
         upper,
         drawn: articulated.as_ref().map_or(Vec::new(), |run| run.run.upper[..count].to_vec()),
@@ -255,7 +256,12 @@ pub fn perform_over(
         }
         if pass > 0 && pass < EASE_PASSES {
             ankles::ease_hips(&mut timeline, &gauge, &solved, scale);
-            ankles::ease(&mut timeline, &gauge, &solved, scale);
+            // One after the other: each sees what the other left.
+            if pass % 2 == 1 {
+                ankles::ease(&mut timeline, &gauge, &solved, scale);
+            } else {
+                ankles::ease_knees(&mut timeline, &gauge, &solved, scale);
+            }
         }
         knees::even_knees(&mut timeline, &solved, scale, &care);
         if pass > 0 {

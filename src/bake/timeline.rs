@@ -42,6 +42,8 @@ pub struct Timeline {
     pub walking: Vec<f64>,
     /// rad, bends of the knees, left and right; a leg in the air takes them, a planted one bends as it must. Empty: none does.
     pub bends: [Vec<f64>; 2],
+    /// rad, how far the ankles' range turns the knees about the lines from hip to ankle, left and right. Empty: not at all.
+    pub swivels: [Vec<f64>; 2],
     /// rad, what the hips' range adds to the pelvis: forward tilt, and list to the right. Empty: nothing.
     pub pelvis: [Vec<f64>; 2],
     /// Upper body and pelvis.
@@ -99,7 +101,11 @@ impl Timeline {
         self.shift.truncate(last + 1);
         self.lowering.truncate(last + 1);
         self.walking.truncate(last + 1);
-        self.bends.iter_mut().chain(&mut self.pelvis).for_each(|series| series.truncate(last + 1));
+        self.bends
+            .iter_mut()
+            .chain(&mut self.swivels)
+            .chain(&mut self.pelvis)
+            .for_each(|series| series.truncate(last + 1));
         self.upper.truncate(last + 1);
         self.drawn.truncate(last + 1);
     }
@@ -192,7 +198,9 @@ impl Timeline {
         let feet = Side::BOTH.map(|side| {
             let bends = &self.bends[side as usize];
             let free = !bends.is_empty() && self.feet.freedom(side, time) > 0.0;
-            FootTarget { bend: free.then(|| sample(bends, self.dt, time)), ..self.feet.at(side, time) }
+            let swivels = &self.swivels[side as usize];
+            let swivel = if swivels.is_empty() { 0.0 } else { sample(swivels, self.dt, time) };
+            FootTarget { bend: free.then(|| sample(bends, self.dt, time)), swivel, ..self.feet.at(side, time) }
         });
         let [tilt, list] = [0, 1]
             .map(|axis| if self.pelvis[axis].is_empty() { 0.0 } else { sample(&self.pelvis[axis], self.dt, time) });

@@ -86,6 +86,9 @@ pub struct FootTarget {
     pub soft: f64,
     /// rad, instead of the ankle's distance from the hip: how far the knee bends. The ankle lies on the line to `ankle` then.
     pub bend: Option<f64>,
+    /// rad, how far the knee turns about the line from hip to ankle: a right-handed turn about the way down, so that a positive
+    /// one takes a knee that points forwards to the right.
+    pub swivel: f64,
 }
 
 /// A solved pose and what it cost.
@@ -300,6 +303,9 @@ impl<'a> Solver<'a> {
             None => soft_reach(hip, foot.ankle, leg.length(), foot.soft),
         };
         let mut pole = knee_pole(ankle - hip, yaw);
+        if foot.swivel != 0.0 {
+            pole = DQuat::from_axis_angle((ankle - hip).normalize_or(DVec3::NEG_Y), foot.swivel) * pole;
+        }
         let mut straightest = STRAIGHTEST;
         if let Some(base) = over {
             let distance = (ankle - hip).length().min(leg.length() * base.straightest[side as usize]);

@@ -70,6 +70,7 @@ pub fn flat_foot(body: &Body, side: Side, plant: &Plant) -> FootTarget {
         yaw: plant.yaw,
         soft: 0.0,
         bend: None,
+        swivel: 0.0,
     }
 }
 

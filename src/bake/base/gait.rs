@@ -297,5 +297,6 @@ pub(super) fn blended(from: &FootTarget, to: &FootTarget, share: f64) -> FootTar
         yaw: from.yaw + crate::maths::quat::wrap_angle(to.yaw - from.yaw) * share,
         soft: from.soft + (to.soft - from.soft) * share,
         bend: if share < 0.5 { from.bend } else { to.bend },
+        swivel: from.swivel + (to.swivel - from.swivel) * share,
     }
 }

@@ -228,6 +228,7 @@ pub(super) fn hold(
             yaw: foot_yaw(body, side, held.foot),
             soft: 0.0,
             bend: None,
+            swivel: 0.0,
         }
     };
     (held.iter().zip(&posed).map(|(held, own)| target(held, own)).collect(), falls)

@@ -261,6 +261,7 @@ fn foot(a: &FootTarget, b: &FootTarget, travel: DVec3, share: f64) -> FootTarget
         toe: a.toe.slerp(b.toe, share),
         yaw: a.yaw + wrap_angle(b.yaw - a.yaw) * share,
         soft: mix(a.soft, b.soft, share),
+        swivel: mix(a.swivel, b.swivel, share),
         bend: match (a.bend, b.bend) {
             (Some(from), Some(to)) => Some(mix(from, to, share)),
             (from, to) => {
