@@ -203,7 +203,13 @@ mod tests {
         let time = |frame: usize| frame as f64 / 30.0;
         // In the middle, to the last frame, from the first one.
         for (from, to) in [(24, 40), (50, 72), (0, 9)] {
-            let wanted = |frame: usize| told(&old, time(frame)) + 0.1 * (1.0 + (frame as f64).sin());
+            // Eased in and out over some frames, as repairs are.
+            let eased = |frames: usize| (frames as f64 / 6.0).min(1.0).powi(2);
+            let share = |frame: usize| {
+                let before = if from == 0 { 1.0 } else { eased(frame + 1 - from) };
+                before * if to == 72 { 1.0 } else { eased(to + 1 - frame) }
+            };
+            let wanted = |frame: usize| told(&old, time(frame)) + 0.06 * share(frame) * (1.5 + (0.4 * frame as f64).sin());
             let frames: BTreeMap<usize, DVec4> = (from..=to).map(|frame| (frame, DVec4::X * wanted(frame))).collect();
             let new = amended(&old, &frames, &time, &sample, &slope, false).expect("there is room");
             for step in 0..=2400 {
