@@ -79,9 +79,17 @@ pub fn keyed(track: &Track, domain: &Domain, balance: &[Option<Balance>], steps:
 impl Keyed {
     /// Says nothing of any frame of the clip.
     pub fn silence(self, domain: &mut Domain) {
-        let reason = if self == Keyed::Fight { Reason::Action } else { Reason::Keyed };
+        let count = |wanted: Reason| domain.reasons.iter().filter(|reason| **reason == Some(wanted)).count();
+        let violent = [Some(Reason::Action), Some(Reason::Thrown)];
+        let fight = self == Keyed::Fight;
+        let reason = match fight {
+            true if count(Reason::Thrown) > count(Reason::Action) => Reason::Thrown,
+            true => Reason::Action,
+            false => Reason::Keyed,
+        };
         for slot in &mut domain.reasons {
-            if matches!(slot, None | Some(Reason::Action | Reason::Thrown | Reason::Hands)) {
+            // Blows keep their own word among blows.
+            if matches!(slot, None | Some(Reason::Hands)) || (!fight && violent.contains(slot)) {
                 *slot = Some(reason);
             }
         }

@@ -209,7 +209,8 @@ mod tests {
                 let before = if from == 0 { 1.0 } else { eased(frame + 1 - from) };
                 before * if to == 72 { 1.0 } else { eased(to + 1 - frame) }
             };
-            let wanted = |frame: usize| told(&old, time(frame)) + 0.06 * share(frame) * (1.5 + (0.4 * frame as f64).sin());
+            let wanted =
+                |frame: usize| told(&old, time(frame)) + 0.06 * share(frame) * (1.5 + (0.4 * frame as f64).sin());
             let frames: BTreeMap<usize, DVec4> = (from..=to).map(|frame| (frame, DVec4::X * wanted(frame))).collect();
             let new = amended(&old, &frames, &time, &sample, &slope, false).expect("there is room");
             for step in 0..=2400 {
