@@ -259,6 +259,25 @@ fn held_out_captures_keep_what_is_reached() {
 }
 
 #[test]
+fn tuned_clips_keep_what_is_reached() {
+    let Some(data) = data() else { return };
+    let (tuned, _) = clips(&data);
+    // Keyed clips: what cannot be judged is one word of the whole clip, and little of that.
+    let keyed = clean(&tuned, Kind::Other, false);
+    assert!(keyed.clips > 80 && keyed.a_minute() <= 1.0 && keyed.clip_flags <= 4, "{keyed:?}");
+    for captured in Kind::ALL.map(|kind| clean(&tuned, kind, true)) {
+        assert_eq!(captured.clip_flags, 0, "{captured:?}");
+    }
+    let walks = walks(&tuned);
+    for row in rows().iter().filter(|row| matches!(row.rule, Rule::Float | Rule::Penetration | Rule::Balance)) {
+        let found = ask(&walks, row);
+        assert!(found.recall() >= 0.95, "{}: {}, missed {:?}", row.name, found.recall(), found.missed);
+    }
+    let slow = slow_clips(&walks);
+    assert!(slow.recall() >= 0.9, "{} missed {:?}", slow.recall(), slow.missed);
+}
+
+#[test]
 fn a_walk_over_force_plates_touches_down_and_accelerates_as_the_plates_say() {
     let Some(data) = data() else { return };
     let found = measured(&data).expect("the measured walk");

@@ -6,12 +6,9 @@
 #![allow(dead_code)] // the benchmark and the tests each use their part
 
 use crate::audit_faults::{self as faults, Planted, Way};
-use glam::DVec2;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
-use surefoot::audit::placement::{self, Taken};
-use surefoot::audit::stages::{Stages, with_stages};
-use surefoot::audit::{AuditOptions, Mark, audit, foot_name};
+use surefoot::audit::{AuditOptions, audit, foot_name};
 use surefoot::maths::seed::Seed;
 use surefoot::mocap::{Options, load};
 use surefoot::model::Capture;
@@ -259,7 +256,8 @@ pub fn ask(clips: &[&Clip], fault: &Fault) -> Found {
     each(clips, &fault.plant, say)
 }
 
-fn each(
+/// Plants it in every clip, four times, and asks: found or not, and frames rightly flagged, wrongly, missed.
+pub fn each(
     clips: &[&Clip],
     plant: &Plant,
     say: impl Fn(&Clip, &Planted) -> (bool, (usize, usize, usize)) + Sync,
@@ -298,7 +296,8 @@ fn lands(found: &Findings, planted: &Planted) -> bool {
     feet.into_iter().any(|flag| at_touchdown(flag.start, flag.foot, planted))
 }
 
-fn at_touchdown(start: usize, foot: Option<&str>, planted: &Planted) -> bool {
+/// See [`lands`].
+pub fn at_touchdown(start: usize, foot: Option<&str>, planted: &Planted) -> bool {
     foot.is_some() && foot == planted.side.map(foot_name) && (planted.span.0..=planted.span.1 + 2).contains(&start)
 }
 
@@ -335,88 +334,4 @@ pub fn slow_flights(clips: &[Clip]) -> Found {
     let plant: Plant = Box::new(|clip, seed| faults::slow_flight(clip, 0.6, seed));
     let rule = Rule::Ballistic;
     ask(&fast, &Fault { name: String::new(), rule, wanted: None, wanted_f1: None, plant })
-}
-
-/// The detector of steps with the velocity, or the same without it, with limits that were fitted to clean clips.
-#[derive(Clone, Copy, Debug)]
-pub struct Blind {
-    population: DVec2,
-    /// m, forward and sideways.
-    pub placed: DVec2,
-}
-
-/// A clip's steps as the audit judges them, without their velocity.
-fn with_blind<T>(capture: &Capture, look: impl FnOnce(&Stages, Vec<Taken>) -> T) -> T {
-    let look = |stages: &Stages| {
-        let taken = stages.judged.iter().map(|judged| placement::without_velocity(&judged.taken)).collect();
-        look(stages, taken)
-    };
-    with_stages(capture, None, look).expect("a clip of the lab has frames")
-}
-
-impl Blind {
-    /// Fitted to clean clips as the audit's own rule was: the population's mean, and limits in proportion to the errors that people make
-    /// (their 95th percentiles), wide enough that as few clean steps are flagged as the audit's own rule flags.
-    pub fn fit(clips: &[&Clip]) -> Blind {
-        let bare = Blind { population: DVec2::ZERO, placed: DVec2::splat(f64::MAX) };
-        let rests: Vec<Vec<Taken>> = clips.par_iter().map(|clip| with_blind(&clip.capture, |_, taken| taken)).collect();
-        let size = |clip: &Clip| clip.capture.body.leg_length / 0.83;
-        let all: Vec<DVec2> =
-            rests.iter().zip(clips).flat_map(|(steps, clip)| steps.iter().map(|step| step.rest / size(clip))).collect();
-        let population = all.iter().copied().sum::<DVec2>() / all.len().max(1) as f64;
-        let bare = Blind { population, ..bare };
-        let errors: Vec<DVec2> = clips.par_iter().flat_map(|clip| bare.errors(&clip.capture)).map(DVec2::abs).collect();
-        let p95 = |axis: usize| {
-            let mut list: Vec<f64> = errors.iter().map(|error| error[axis]).collect();
-            list.sort_by(f64::total_cmp);
-            list.get(list.len() * 19 / 20).copied().unwrap_or(1.0)
-        };
-        let spread = DVec2::new(p95(0), p95(1));
-        let allowed: usize = clips.par_iter().map(|clip| own_flags(&clip.capture)).sum();
-        let flagged = |scale: f64| -> usize {
-            let blind = Blind { population, placed: spread * scale };
-            clips.par_iter().map(|clip| blind.flags(&clip.capture).len()).sum()
-        };
-        let scale = (4..80).map(|step| f64::from(step) * 0.1).find(|scale| flagged(*scale) <= allowed).unwrap_or(8.0);
-        Blind { population, placed: spread * scale }
-    }
-
-    fn errors(&self, capture: &Capture) -> Vec<DVec2> {
-        with_blind(capture, |stages, taken| {
-            let size = stages.track.size();
-            let judged = placement::judge_by(&stages.track, &taken, self.population, self.placed);
-            judged.iter().map(|judged| judged.error / size).collect()
-        })
-    }
-
-    /// (ours, its own): flags of foot-placement in clean clips, a minute.
-    pub fn false_a_minute(&self, clips: &[&Clip]) -> (f64, f64) {
-        let minutes: f64 = clips.iter().map(|clip| clip.capture.frames() as f64 / clip.capture.fps / 60.0).sum();
-        let ours: usize = clips.par_iter().map(|clip| own_flags(&clip.capture)).sum();
-        let its: usize = clips.par_iter().map(|clip| self.flags(&clip.capture).len()).sum();
-        (ours as f64 / minutes.max(1e-9), its as f64 / minutes.max(1e-9))
-    }
-
-    /// The steps that it flags.
-    fn flags(&self, capture: &Capture) -> Vec<Mark> {
-        with_blind(capture, |stages, taken| {
-            let judged = placement::judge_by(&stages.track, &taken, self.population, self.placed);
-            placement::marks(&stages.feet, &judged)
-        })
-    }
-
-    /// Plants a fault in every clip and asks this detector.
-    pub fn ask(&self, clips: &[&Clip], fault: &Fault) -> Found {
-        let say = |_: &Clip, planted: &Planted| {
-            let hit = |mark: &Mark| at_touchdown(mark.start, mark.side.map(foot_name), planted);
-            (self.flags(&planted.capture).iter().any(hit), (0, 0, 0))
-        };
-        each(clips, &fault.plant, say)
-    }
-}
-
-/// Flags of foot-placement in a clip by the audit itself.
-fn own_flags(capture: &Capture) -> usize {
-    let found = audit(capture, &AuditOptions::default());
-    found.flags.iter().filter(|flag| flag.rule == Rule::FootPlacement).count()
 }

@@ -30,6 +30,8 @@ mod clip_ground;
 mod common;
 /// Corrections: planted faults that go, frames and files that stay.
 mod correct;
+/// Corrected curves, for other programs to play.
+mod correct_played;
 /// What a corrected clip that was baked here tells of itself.
 mod correct_told;
 /// What stands beside a clip for an engine: written whole, run where it can be.

@@ -39,6 +39,8 @@ const HIGH: f64 = 0.16;
 const FLIES: (f64, f64) = (0.03, 0.25);
 /// m: heights of contacts that differ by more stand on different floors.
 const SAME_FLOOR: f64 = 0.035;
+/// m: soles are guessed to that; a foot whose floor is farther from the other's stood on something for a while.
+const SAME_FEET: f64 = 0.03;
 
 /// The ground as the feet show it.
 #[derive(Clone, Debug, PartialEq)]
@@ -188,7 +190,7 @@ fn floors(track: &Track) -> [f64; 2] {
     let common = mode(&both, 0.01 * track.size());
     each.map(|heights| {
         let own = if heights.len() * 8 >= both.len() { mode(&heights, 0.01 * track.size()) } else { common };
-        if (own - common).abs() < 1.5 * SAME_FLOOR * track.size() { own } else { common }
+        if (own - common).abs() < SAME_FEET * track.size() { own } else { common }
     })
 }
 

@@ -38,6 +38,8 @@ pub enum Reason {
     Thrown,
     /// Fast limbs: a blow, a throw, a dance.
     Action,
+    /// Nothing in it is physical: keyed for effect.
+    Keyed,
     /// Feet are far under what looks like the floor.
     NoFloor,
     /// The clip is over before anything shows.
@@ -57,6 +59,9 @@ impl Reason {
                 "the body is thrown about as no feet could: keyed action, or something pushes that is not in the clip"
             }
             Reason::Action => "fast limbs: blows, throws and dance are balanced by more than feet",
+            Reason::Keyed => {
+                "keyed, not physical: its balance is off all through, so no frame of it is judged by itself"
+            }
             Reason::NoFloor => {
                 "the feet agree on no floor: a piece of a jump or a climb, or a floor that is not in the clip"
             }
@@ -71,7 +76,7 @@ impl Reason {
 const BLOW: f64 = 5.0;
 /// s: and so much around it.
 const AROUND: f64 = 0.35;
-/// One frame in so many in which feet tell nothing takes the others of a span along.
+/// One frame in so many in which feet (or the pendulum) tell nothing takes the others of a span along.
 const MUTE: usize = 4;
 /// Cosine of a thigh against straight down: flatter on both sides, the body sits.
 const SEATED: f64 = 0.45;
@@ -79,6 +84,8 @@ const SEATED: f64 = 0.45;
 const DEEPEST: f64 = 0.12;
 /// Of the frames: where feet are deeper in more of them, nothing is known of the floor in any.
 const DEEP: f64 = 0.2;
+/// Of the frames, and contacts: a clip in which feet bear in no more of them shows no floor.
+const BEARS: (f64, usize) = (0.25, 2);
 /// s, not the body's but the filters': a shorter clip is beginning and end alone.
 const SHORTEST: f64 = 0.6;
 /// m/s, and m/s: low feet that go as fast under a centre of mass that goes no faster, the clip through.
@@ -100,6 +107,11 @@ impl Domain {
     /// Whether it applies in all of a span.
     pub fn walks_in(&self, start: usize, end: usize) -> bool {
         self.reasons[start..=end].iter().all(Option::is_none)
+    }
+
+    /// Whether it applies in nearly all of a span.
+    pub fn mostly_walks_in(&self, start: usize, end: usize) -> bool {
+        MUTE * self.reasons[start..=end].iter().filter(|reason| reason.is_some()).count() < end - start + 1
     }
 
     /// Says nothing of so many frames at the beginning.
@@ -126,6 +138,7 @@ impl Domain {
                         | Reason::Pose
                         | Reason::Action
                         | Reason::Thrown
+                        | Reason::Keyed
                         | Reason::NoFloor
                         | Reason::Short
                 )
@@ -196,6 +209,9 @@ pub fn domain(track: &Track, feet: &Footfalls) -> Domain {
     if (0..frames).filter(|frame| deep(*frame)).count() as f64 > DEEP * frames as f64 {
         reasons.fill(Some(Reason::NoFloor));
     }
+    if !bears_enough(feet, frames) {
+        reasons.fill(Some(Reason::NoFloor));
+    }
     if in_place(track) {
         reasons.fill(Some(Reason::InPlace));
     }
@@ -211,6 +227,12 @@ pub fn domain(track: &Track, feet: &Footfalls) -> Domain {
         }
     }
     Domain { reasons }
+}
+
+/// Whether feet are on the ground for long enough, or often enough, to show where it is.
+fn bears_enough(feet: &Footfalls, frames: usize) -> bool {
+    let bearing = (0..frames).filter(|frame| feet.bearing(*frame) > 0).count();
+    feet.contacts.len() > BEARS.1 || bearing as f64 > BEARS.0 * frames as f64
 }
 
 /// m: how far the deeper foot is under its floor.

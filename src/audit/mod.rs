@@ -10,6 +10,7 @@ pub mod domain;
 #[cfg(test)]
 pub(crate) mod fixture;
 pub mod flight;
+pub mod keyed;
 pub mod placement;
 pub mod sole;
 pub mod stages;
@@ -41,10 +42,12 @@ pub fn audit(capture: &Capture, options: &AuditOptions) -> Findings {
 }
 
 fn judge(stages: &Stages, options: &AuditOptions, findings: &mut Findings) {
-    let Stages { track, feet, domain, balance, judged } = stages;
+    let Stages { track, feet, domain, balance, judged, keyed } = stages;
     let mut marks = placement::marks(feet, judged);
     marks.extend(sole::marks(track, feet).into_iter().filter(|mark| match mark.rule {
         Rule::Float => domain.walks_in(mark.start, mark.end),
+        // In the strides about a flight both feet are fast, and a frame's error of a contact is a hand's breadth.
+        Rule::Drift => domain.mostly_walks_in(mark.start, mark.end),
         _ => domain.stands_in(mark.start, mark.end),
     }));
     marks.extend(balance::marks(track, balance, domain));
@@ -53,6 +56,8 @@ fn judge(stages: &Stages, options: &AuditOptions, findings: &mut Findings) {
     marks.retain(|mark| !options.without.contains(&mark.rule));
     marks.sort_by_key(|mark| (mark.start, mark.end, mark.rule));
     findings.flags = marks.iter().map(Mark::flag).collect();
+    let whole = keyed.and_then(|keyed| keyed.mark(track));
+    findings.clip_flags.extend(whole.filter(|_| !options.without.contains(&Rule::Balance)));
     let clock = timing::clock(track, feet, domain, judged.len());
     findings.clip_flags.extend(clock.and_then(timing::mark).filter(|_| !options.without.contains(&Rule::Timing)));
     findings.steps = judged.iter().map(|judged| verdict::step(feet, judged)).collect();

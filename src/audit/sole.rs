@@ -1,7 +1,7 @@
 //! What a foot may not do while it bears: slide over the ground, sink into it, hover over it; and a root that wanders under both.
 //!
 //! Clip space, m. A foot that rolls has a point that stays: the path of the stillest point is what it slides. Floors are those that the
-//! feet themselves show ([`super::contacts`]); on uneven ground each contact is its own floor, so nothing sinks or hovers there.
+//! feet themselves show ([`super::contacts`]); on uneven ground each contact is its own floor, and what is told is that it rises or sinks.
 
 use super::Mark;
 use super::contacts::{Contact, Footfalls};
@@ -33,9 +33,7 @@ const BRIEF: f64 = 0.1;
 pub fn marks(track: &Track, feet: &Footfalls) -> Vec<Mark> {
     let mut marks = slides(track, feet);
     marks.dedup_by(|later, first| later.rule == Rule::Drift && first.rule == Rule::Drift && later.start <= first.end);
-    if !feet.ground.uneven {
-        marks.extend(heights(track, feet));
-    }
+    marks.extend(heights(track, feet));
     marks
 }
 
@@ -142,7 +140,8 @@ fn heights(track: &Track, feet: &Footfalls) -> Vec<Mark> {
             let tips = rule == Rule::Penetration && heel.y - tip.y > LEVEL * track.size();
             let ball = feet.under(side, frame, foot.place(frame)) - ball.y;
             let off = if tips { (-height - guess).min(ball) } else { sign * height - guess };
-            if bears || rule == Rule::Penetration { off } else { f64::MIN }
+            // Uneven ground is known where a foot stands on it.
+            if bears || (rule == Rule::Penetration && !feet.ground.uneven) { off } else { f64::MIN }
         };
         // Only what bears can hover, and only if nothing holds the body up meanwhile.
         let worst = |frame: usize| match rule {

@@ -5,6 +5,7 @@
 use super::balance::{self, Balance};
 use super::contacts::{Footfalls, footfalls_on};
 use super::domain::{self, Domain, Reason};
+use super::keyed::{self, Keyed};
 use super::placement::{self, Judged};
 use super::track::{self, Track};
 use crate::model::Capture;
@@ -24,6 +25,8 @@ pub struct Stages<'a> {
     pub balance: Vec<Option<Balance>>,
     /// The steps that the clip shows whole where the pendulum applies.
     pub judged: Vec<Judged>,
+    /// Whether the clip is keyed for effect all through: then nothing in it is judged by itself.
+    pub keyed: Option<Keyed>,
 }
 
 /// Looks at a clip, on the floor that the feet show or on one that is told (m); `None` of a clip without frames.
@@ -41,8 +44,13 @@ pub fn with_stages<T>(capture: &Capture, floor: Option<f64>, look: impl FnOnce(&
     for (start, end) in balance::thrown(&track, &balance) {
         domain.add(start.saturating_sub(around), (end + around).min(track.len() - 1), Reason::Thrown);
     }
-    let judged = judged(&track, &feet, &domain);
-    Some(look(&Stages { track, feet, domain, balance, judged }))
+    let mut steps = judged(&track, &feet, &domain);
+    let keyed = keyed::keyed(&track, &domain, &balance, steps.len());
+    if let Some(keyed) = keyed {
+        keyed.silence(&mut domain);
+        steps = judged(&track, &feet, &domain);
+    }
+    Some(look(&Stages { track, feet, domain, balance, judged: steps, keyed }))
 }
 
 /// The steps that are judged.

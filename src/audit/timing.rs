@@ -23,6 +23,8 @@ const WALKS: f64 = 0.12;
 const WALKED: f64 = 0.5;
 /// Frames in single support and steps that tell a rate.
 const LEAST: (usize, usize) = (20, 4);
+/// See [`SLOW`]: of a clip with fewer steps, one at least; that it is fast is not told.
+const FEW: (f64, f64) = (0.5, 0.5);
 
 /// s: a told push shows in the filtered motion for as long before it and after it; meanwhile the pendulum is not alone.
 const PUSHED: f64 = 0.1;
@@ -34,6 +36,8 @@ pub struct Clock {
     pub across: f64,
     /// Along it.
     pub along: f64,
+    /// Of so few steps that only a plain case is told.
+    pub few: bool,
 }
 
 /// The clip's, from its walking, of which so many steps could be judged; `None` where there is too little of it.
@@ -63,12 +67,12 @@ pub fn clock(track: &Track, feet: &Footfalls, domain: &Domain, steps: usize) -> 
         frames += 1;
         expected += track.omega(frame, stance.height).powi(2);
     }
-    if frames < LEAST.0 || steps < LEAST.1 || domain.share() < WALKED {
+    if frames < LEAST.0 || steps == 0 || domain.share() < WALKED {
         return None;
     }
     let expected = expected / frames as f64;
     let slope = |sums: [f64; 2]| sums[1] / sums[0].max(1e-9) / expected;
-    Some(Clock { across: slope(sums[0]), along: slope(sums[1]) })
+    Some(Clock { across: slope(sums[0]), along: slope(sums[1]), few: steps < LEAST.1 })
 }
 
 /// Whether something that the clip tells of pushes the body.
@@ -79,9 +83,10 @@ fn is_pushed(track: &Track, frame: usize) -> bool {
 
 /// The mark of the rule.
 pub fn mark(clock: Clock) -> Option<ClipFlag> {
-    let slow = clock.across < SLOW.0 && clock.along < SLOW.1 && clock.across > 0.0;
+    let limit = if clock.few { FEW } else { SLOW };
+    let slow = clock.across < limit.0 && clock.along < limit.1 && clock.across > 0.0;
     let mean = (clock.across.max(0.0) * clock.along.max(0.0)).sqrt();
-    if !slow && mean <= FAST {
+    if !slow && (clock.few || mean <= FAST) {
         return None;
     }
     let speed = if slow { clock.across.sqrt() } else { mean.sqrt() };

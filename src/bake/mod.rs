@@ -27,7 +27,7 @@ mod reach;
 mod report;
 pub mod retargeted;
 pub mod root_motion;
-mod spline;
+pub(crate) mod spline;
 mod swing;
 pub mod throws;
 pub mod timeline;

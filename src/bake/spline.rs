@@ -16,11 +16,11 @@ const ROUNDED: f64 = 0.3e-3;
 
 /// A key on the way to a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Knot {
-    pub(super) time: f64, // s
-    pub(super) value: DVec4,
-    pub(super) slopes: [DVec4; 2], // before and after, a second
-    pub(super) corner: bool,       // the acceleration jumps here, and the slope may
+pub(crate) struct Knot {
+    pub(crate) time: f64, // s
+    pub(crate) value: DVec4,
+    pub(crate) slopes: [DVec4; 2], // before and after, a second
+    pub(crate) corner: bool,       // the acceleration jumps here, and the slope may
 }
 
 /// The piece between two knots.
@@ -53,7 +53,12 @@ impl Piece {
 
 /// The keys, level at both ends, of a curve that leads as these knots do: times, values, slopes. Of rotations the values are units;
 /// of others one is `unit` m.
-pub(super) fn level(knots: &[Knot], rotates: bool, unit: f64) -> (Vec<f32>, Vec<DVec4>, Vec<DVec4>) {
+pub(crate) fn level(knots: &[Knot], rotates: bool, unit: f64) -> (Vec<f32>, Vec<DVec4>, Vec<DVec4>) {
+    piece(knots, rotates, unit, [true; 2])
+}
+
+/// The same of a piece of a curve: where the curve itself does not end, the outermost knot keeps its slope.
+pub(crate) fn piece(knots: &[Knot], rotates: bool, unit: f64, ends: [bool; 2]) -> (Vec<f32>, Vec<DVec4>, Vec<DVec4>) {
     let stored = |value: DVec4| {
         let value = if rotates { value.try_normalize().unwrap_or(DVec4::W) } else { value };
         DVec4::from_array(value.to_array().map(|part| f64::from(part as f32)))
@@ -66,7 +71,7 @@ pub(super) fn level(knots: &[Knot], rotates: bool, unit: f64) -> (Vec<f32>, Vec<
         let after = knots.get(at + 1).map(|after| Piece { from: *knot, to: *after });
         let here = knot.time as f32;
         match (before, after) {
-            (None, Some(piece)) if knot.slopes[1] != DVec4::ZERO => {
+            (None, Some(piece)) if ends[0] && knot.slopes[1] != DVec4::ZERO => {
                 add(here, knot.value);
                 let round = piece.round(knot.slopes[1].length() * unit);
                 let times = [1.0, 2.0].map(|steps| (knot.time + steps * round) as f32);
@@ -75,7 +80,7 @@ pub(super) fn level(knots: &[Knot], rotates: bool, unit: f64) -> (Vec<f32>, Vec<
                 add(times[0], knot.value + led(end - knot.value, slope, bend, steps));
                 add(times[1], end);
             }
-            (Some(piece), None) if at == last && knot.slopes[0] != DVec4::ZERO => {
+            (Some(piece), None) if ends[1] && at == last && knot.slopes[0] != DVec4::ZERO => {
                 let round = piece.round(knot.slopes[0].length() * unit);
                 let times = [2.0, 1.0].map(|steps| (knot.time - steps * round) as f32);
                 let [start, slope, bend] = piece.at(f64::from(times[0]));
@@ -107,7 +112,9 @@ pub(super) fn level(knots: &[Knot], rotates: bool, unit: f64) -> (Vec<f32>, Vec<
     }
     let clock: Vec<f64> = keys.iter().map(|(time, _)| f64::from(*time)).collect();
     let (times, values): (Vec<f32>, Vec<DVec4>) = keys.into_iter().unzip();
-    let slopes = slopes(&clock, &values, [DVec4::ZERO; 2]);
+    let held =
+        |knot: Option<&Knot>, end: usize| knot.filter(|_| !ends[end]).map_or(DVec4::ZERO, |knot| knot.slopes[1 - end]);
+    let slopes = slopes(&clock, &values, [held(knots.first(), 0), held(knots.last(), 1)]);
     (times, values, slopes)
 }
 
@@ -119,7 +126,7 @@ fn led(way: DVec4, slope: DVec4, bend: DVec4, [a, b]: [f64; 2]) -> DVec4 {
 }
 
 /// The slopes (a second) at `times` (s, rising) of the cubic spline through `values`, `ends` the first's and the last's.
-pub(super) fn slopes(times: &[f64], values: &[DVec4], ends: [DVec4; 2]) -> Vec<DVec4> {
+pub(crate) fn slopes(times: &[f64], values: &[DVec4], ends: [DVec4; 2]) -> Vec<DVec4> {
     let count = times.len().min(values.len());
     let mut slopes = vec![ends[0]; count];
     let Some(last) = count.checked_sub(1).filter(|last| *last > 0) else { return slopes };

@@ -4,6 +4,8 @@ use super::audit::{Audited, Unread};
 use crate::model::findings::{Findings, Rule};
 use std::path::PathBuf;
 
+/// Share of the frames: where so many are not judged, the table says why.
+const MOSTLY: f64 = 0.5;
 /// Spans of one abstention past that many are counted, not listed.
 const MOST_LISTED: usize = 6;
 
@@ -133,6 +135,19 @@ pub fn share(clip: &Audited) -> f64 {
     covered(&clip.findings, flags.filter(|(_, reason)| reason.is_none()).map(|(flag, _)| (flag.start, flag.end)))
 }
 
+/// Why nothing is said of most of a clip, in short; empty where most of it was judged.
+fn silence(findings: &Findings) -> String {
+    if unjudged(findings) < MOSTLY {
+        return String::new();
+    }
+    let frames = |why: &str| -> usize {
+        let spans = findings.abstained.iter().filter(|span| span.why == why);
+        spans.map(|span| span.end + 1 - span.start).sum()
+    };
+    let longest = findings.abstained.iter().map(|span| span.why.as_str()).rev().max_by_key(|why| frames(why));
+    longest.map(|why| format!("not judged: {}", why.split(':').next().unwrap_or(why))).unwrap_or_default()
+}
+
 /// Share of the frames of which nothing is said.
 fn unjudged(findings: &Findings) -> f64 {
     covered(findings, findings.abstained.iter().map(|span| (span.start, span.end)))
@@ -210,7 +225,16 @@ fn worst(clip: &Audited) -> String {
         None => {
             let standing =
                 clip.findings.clip_flags.iter().zip(&clip.waived.clip_flags).find(|(_, reason)| reason.is_none());
-            standing.map(|(flag, _)| format!("{} of the whole clip", flag.rule.name())).unwrap_or_default()
+            standing.map_or_else(
+                || silence(&clip.findings),
+                |(flag, _)| {
+                    format!(
+                        "{} of the whole clip: {}",
+                        flag.rule.name(),
+                        flag.why.split(':').next().unwrap_or_default()
+                    )
+                },
+            )
         }
     }
 }

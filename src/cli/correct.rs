@@ -92,6 +92,9 @@ fn as_json(clip: &Clip) -> Result<Value, Failure> {
     )
 }
 
+/// Of the frames: a clip in which more are not judged is not said to be without flags.
+const SILENT: f64 = 0.95;
+
 /// One clip for people.
 fn told(clip: &Clip, off: Option<f64>) -> String {
     let Corrected { before, after, done, notes, changed, speed, .. } = &clip.corrected;
@@ -107,7 +110,13 @@ fn told(clip: &Clip, off: Option<f64>) -> String {
         ));
     }
     if rules.is_empty() {
-        text.push_str("  no flags: nothing to correct\n");
+        let unjudged: usize = before.abstained.iter().map(|span| span.end + 1 - span.start).sum();
+        let silent = unjudged as f64 > SILENT * before.frames as f64;
+        text.push_str(if silent {
+            "  not judged: nothing to correct (surefoot audit says why)\n"
+        } else {
+            "  no flags: nothing to correct\n"
+        });
     }
     if *speed != 1.0 {
         text.push_str(&format!("  plays {speed:.2} times as fast: {:.3} fps\n", clip.corrected.capture.fps));

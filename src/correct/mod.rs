@@ -185,6 +185,9 @@ pub fn correct(source: &Capture, options: &CorrectOptions) -> Corrected {
     for flag in after.flags.iter().filter(|flag| wanted(options, flag.rule) && !options.leaves(flag)) {
         notes.push(format!("frames {}-{}: could not mend that {}", flag.start, flag.end, flag.why));
     }
+    for flag in after.clip_flags.iter().filter(|flag| flag.rule == Rule::Balance && wanted(options, flag.rule)) {
+        notes.push(format!("{}: nothing in it was corrected", flag.why));
+    }
     let changed = changed(source, &capture);
     restore(source, &mut capture, &changed);
     let slip = slip(&capture, &done, options.audit.floor);

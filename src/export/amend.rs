@@ -1,10 +1,11 @@
 //! A document with other keys in spans of its clips: what was not touched keeps its bytes, its indices and its values.
 //!
 //! Document units. In a changed span a node's keys are one a frame; the frames beside it get keys that the old curve runs through, so that it
-//! goes on as it was to the bit of a float. LINEAR and STEP stay what they are, CUBICSPLINE keeps its tangents outside and gets them from
-//! the neighbours inside. Old keys stay in the buffer, unreferenced where no other sampler names them. Nodes that were not animated get a channel.
+//! goes on as it was to the bit of a float. LINEAR and STEP stay what they are, CUBICSPLINE keeps its tangents outside ([`super::amend_spline`])
+//! and, where keys stand too close for that, gets them from the neighbours inside. Old keys stay in the buffer, unreferenced where no other sampler names them. Nodes that were not animated get a channel.
 
 use super::ExportError;
+use super::amend_spline::amended;
 use super::buffers::Joined;
 use super::glb::{container, list};
 use crate::rig::clips::{Join, Property, RawKeys, Tracks, read_tracks};
@@ -162,6 +163,11 @@ fn curve(
         let (a, b) = (sample(at - near), sample(at + near));
         (if rotation && a.dot(b) < 0.0 { b + a } else { b - a }) / (2.0 * near)
     };
+    let whole = RawKeys { times, numbers, join };
+    if let Some(spline) = cubic.then(|| amended(&whole, frames, time, sample, &slope, rotation)).flatten() {
+        return spline;
+    }
+    let RawKeys { times, numbers, join } = whole;
     let width = if rotation { 4 } else { 3 };
     let floats = |value: DVec4| value.to_array()[..width].iter().map(|part| *part as f32).collect::<Vec<f32>>();
     let mut keys: BTreeMap<u64, (f32, Vec<f32>)> = BTreeMap::new(); // by nanosecond, so that equal times meet
@@ -232,7 +238,8 @@ fn align(curve: &mut RawKeys, new: &dyn Fn(f64) -> bool) {
     }
 }
 
-fn spans(frames: &BTreeMap<usize, DVec4>) -> Vec<(usize, usize)> {
+/// First and last of frames that follow each other.
+pub(super) fn spans(frames: &BTreeMap<usize, DVec4>) -> Vec<(usize, usize)> {
     let mut spans: Vec<(usize, usize)> = Vec::new();
     for frame in frames.keys() {
         match spans.last_mut() {

@@ -2,6 +2,7 @@
 //! is touched here.
 
 pub mod amend;
+mod amend_spline;
 mod baked;
 mod buffers;
 pub mod engine;

@@ -12,8 +12,11 @@ mod audit_faults;
 mod audit_forces;
 #[path = "../audit_grid.rs"]
 mod audit_grid;
+#[path = "../audit_velocity.rs"]
+mod audit_velocity;
 
-use audit_grid::{Blind, Clip, Fault, Found, Kind, ask, clean, clips, faults, slow_clips, slow_flights, walks};
+use audit_grid::{Clip, Fault, Found, Kind, ask, clean, clips, faults, slow_clips, slow_flights, walks};
+use audit_velocity::Detector;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -33,11 +36,14 @@ fn main() {
         return;
     }
     let (tuned, held) = clips(&data);
-    let blind = Blind::fit(&walks(&tuned));
+    let clean = walks(&tuned);
+    let minutes = audit_velocity::minutes(&clean);
+    let rates = [audit_velocity::own_flags(&clean), minutes.floor() as usize, (2.0 * minutes).floor() as usize];
+    let pairs: Vec<[Detector; 2]> = rates.iter().map(|allowed| audit_velocity::pair(&clean, *allowed)).collect();
     for (title, list) in [("TUNED ON", &tuned), ("HELD OUT", &held)].into_iter().take(1 + usize::from(all)) {
         println!("\n{title}: {} clips", list.len());
         cleans(list, verbose);
-        planted(list, &blind, verbose);
+        planted(list, &pairs, verbose);
     }
     println!("\nMEASURED FORCES (of wanted)");
     match audit_forces::compare(&data) {
@@ -74,23 +80,14 @@ fn cleans(clips: &[Clip], verbose: bool) {
     }
 }
 
-fn planted(clips: &[Clip], blind: &Blind, verbose: bool) {
+fn planted(clips: &[Clip], pairs: &[[Detector; 2]], verbose: bool) {
     let walks = walks(clips);
     for fault in faults() {
         let found = ask(&walks, &fault);
         row(&fault, &found, verbose);
         if fault.name.starts_with("swing") {
             println!("    (counted is the flag of the foot that was sped up, at its own touchdown)");
-            let without = blind.ask(&walks, &fault);
-            let (ours, its) = blind.false_a_minute(&walks);
-            println!(
-                "    without the velocity       {:>4} planted: recall {:.3}: the pendulum adds {:.2} of 0.30 (limits {:.2} and {:.2} m; false {its:.2} a minute, with it {ours:.2})",
-                without.planted,
-                without.recall(),
-                found.recall() - without.recall(),
-                blind.placed.x,
-                blind.placed.y,
-            );
+            pairs.iter().for_each(|pair| compared(&walks, &fault, pair));
         }
     }
     let whole = |name: &str, found: &Found, wanted: f64| {
@@ -102,6 +99,24 @@ fn planted(clips: &[Clip], blind: &Blind, verbose: bool) {
     };
     whole("clip at 0.6 of its speed", &slow_clips(&walks), 0.9);
     whole("flight at 0.6 (60 fps up)", &slow_flights(clips), 0.95);
+}
+
+/// The same detector with the velocity and without it, both set to the same false events in the clean clips that were tuned on.
+fn compared(walks: &[&Clip], fault: &Fault, pair: &[Detector; 2]) {
+    let minutes = audit_velocity::minutes(walks);
+    let [with, without] = pair.map(|detector| {
+        let recall = detector.ask(walks, fault).recall();
+        (recall, detector.flagged(walks) as f64 / minutes.max(1e-9), detector.placed)
+    });
+    let words = |(recall, rate, placed): (f64, f64, glam::DVec2)| {
+        format!("{recall:.3} (false {rate:.2} a minute, limits {:.2} and {:.2} m)", placed.x, placed.y)
+    };
+    println!(
+        "    at one false rate: with the velocity {}, without {}: the pendulum adds {:.2} of 0.30",
+        words(with),
+        words(without),
+        with.0 - without.0
+    );
 }
 
 fn row(fault: &Fault, found: &Found, verbose: bool) {

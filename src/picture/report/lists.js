@@ -133,6 +133,15 @@ function drawThumb(canvas, clip, frame, flag) {
   drawScene(context, camera, clip, frame, true, flag);
 }
 
+// Why most of a clip was not judged, in short.
+function silence(clip) {
+  if (shareOf(clip, clip.abstained) < 0.5) return '';
+  const frames = new Map();
+  for (const span of clip.abstained) frames.set(span.why, (frames.get(span.why) ?? 0) + span.end + 1 - span.start);
+  const [[why]] = [...frames].sort((a, b) => b[1] - a[1]);
+  return element('span', { class: 'silent', title: why }, 'not judged: ' + why.split(':')[0]);
+}
+
 function showIndex(current, open) {
   const several = clips.length > 1;
   byId('index-card').hidden = byId('picker').hidden = !several;
@@ -147,7 +156,7 @@ function showIndex(current, open) {
       return {
         cells: [{ text: clip.name }, { number: (clip.frames / clip.fps).toFixed(1) }, ...rules.map((rule) => ({ number: count(rule) || '\u00b7' })),
           { number: (100 * flaggedShare(clip)).toFixed(1) + ' %' }, { number: clip.confidence.toFixed(2) },
-          worst ? element('span', {}, swatch(colours[worst.rule]), `${worst.rule} ${centimetres(worst.delta_m)}`) : flags.length ? 'whole clip' : ''],
+          worst ? element('span', {}, swatch(colours[worst.rule]), `${worst.rule} ${centimetres(worst.delta_m)}`) : flags.length ? element('span', { title: flags[0].why }, swatch(colours[flags[0].rule]), `${flags[0].rule}, whole clip`) : silence(clip)],
         go: () => open(index), id: index,
       };
     }));
