@@ -4,6 +4,7 @@
 //! made a unit again. Angles in rad, lengths in the node's own units.
 
 use super::spline::{self, Knot};
+use crate::model::clip::in_16_bits;
 use crate::model::{Channel, Interpolation, KeyValues, Target};
 use crate::rig::animate::{chord, hermite, slerp};
 use glam::{DQuat, DVec3, DVec4};
@@ -286,7 +287,12 @@ impl Track {
             let key = |(value, slope): (&DVec4, &DVec4)| [stored(*slope), stored(*value), stored(*slope)];
             (times, values.iter().zip(&slopes).flat_map(key).collect())
         } else {
-            let numbers: Vec<Value> = kept.iter().map(|frame| stored(self.fits[*frame].value)).collect();
+            let number = |frame: &usize| {
+                let value = stored(self.fits[*frame].value);
+                // No foot hangs from it: 16 bits, 0.002 degrees, are enough.
+                if self.moves == [false; 2] && kept.len() > 1 { value.map(in_16_bits) } else { value }
+            };
+            let numbers: Vec<Value> = kept.iter().map(number).collect();
             (kept.iter().map(|frame| times[*frame]).collect(), numbers)
         };
         let values = match self.rotates {

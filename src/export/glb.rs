@@ -13,6 +13,9 @@ use crate::rig::Rig;
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Fewer rotations take more bytes in 16 bits, with what must be said of them.
+const FEWEST_SHORTS: usize = 3;
+
 /// A file in the making is done.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExportedGlb {
@@ -173,7 +176,11 @@ impl Writer {
             };
             let path = channel.values.path();
             let input = first + self.accessor("SCALAR", &channel.times, 1);
-            let output = first + self.accessor(kind, &values, channel.values.count());
+            let output = first
+                + match channel.shorts().filter(|_| channel.values.count() >= FEWEST_SHORTS) {
+                    Some(shorts) => self.shorts(&shorts),
+                    None => self.accessor(kind, &values, channel.values.count()),
+                };
             let interpolation = match channel.interpolation {
                 Interpolation::Linear => None, // what glTF takes where none is said
                 Interpolation::Cubic => Some("CUBICSPLINE"),
@@ -191,15 +198,30 @@ impl Writer {
 
     fn accessor(&mut self, kind: &'static str, values: &[f32], count: usize) -> usize {
         let data: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+        let mut fields = json!({ "componentType": 5126, "count": count, "type": kind });
+        if kind == "SCALAR" {
+            fields["count"] = values.len().into();
+            fields["min"] = json!([f64::from(values.iter().copied().fold(f32::INFINITY, f32::min))]);
+            fields["max"] = json!([f64::from(values.iter().copied().fold(f32::NEG_INFINITY, f32::max))]);
+        }
+        self.put(kind, data, fields)
+    }
+
+    /// Rotations in 16 bits.
+    fn shorts(&mut self, values: &[i16]) -> usize {
+        let data: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+        let fields = json!({ "componentType": 5122, "normalized": true, "count": values.len() / 4, "type": "VEC4" });
+        self.put("shorts", data, fields)
+    }
+
+    fn put(&mut self, kind: &'static str, data: Vec<u8>, fields: Value) -> usize {
         if let Some(accessor) = self.seen.get(&(kind, data.clone())) {
             return *accessor;
         }
         let offset = self.buffer.append(&data) - self.start;
-        let mut accessor = json!({ "bufferView": self.view, "byteOffset": offset, "componentType": 5126, "count": count, "type": kind });
-        if kind == "SCALAR" {
-            accessor["count"] = values.len().into();
-            accessor["min"] = json!([f64::from(values.iter().copied().fold(f32::INFINITY, f32::min))]);
-            accessor["max"] = json!([f64::from(values.iter().copied().fold(f32::NEG_INFINITY, f32::max))]);
+        let mut accessor = json!({ "bufferView": self.view, "byteOffset": offset });
+        if let (Some(accessor), Value::Object(fields)) = (accessor.as_object_mut(), fields) {
+            accessor.extend(fields);
         }
         self.accessors.push(accessor);
         self.seen.insert((kind, data), self.accessors.len() - 1);
