@@ -290,7 +290,7 @@ impl Track {
             let number = |frame: &usize| {
                 let value = stored(self.fits[*frame].value);
                 // No foot hangs from it: 16 bits, 0.002 degrees, are enough.
-                if self.moves == [false; 2] && kept.len() > 1 { value.map(in_16_bits) } else { value }
+                if self.rotates && self.moves == [false; 2] && kept.len() > 1 { value.map(in_16_bits) } else { value }
             };
             let numbers: Vec<Value> = kept.iter().map(number).collect();
             (kept.iter().map(|frame| times[*frame]).collect(), numbers)
