@@ -1,4 +1,4 @@
-//! How the baked walk compares with people, row by row: textbook means, and a captured walk where the data is there.
+//! How the baked walk compares with people, row by row: textbook means, and captured walks where the data is there.
 //!
 //! `cargo bench --bench gait` prints it for the built-in rig; words after `--` name other rigs.
 
@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use surefoot::bake::{BakeOptions, bake, contacts};
 use surefoot::measure::gait::{Gait, gait};
 use surefoot::measure::{Frame, HeldContact, Motion, Track};
+use surefoot::mocap::{self, retarget::planted_parts};
 use surefoot::model::report::Part;
 use surefoot::model::scenario::{Scenario, Walk};
 use surefoot::model::{BodyPose, Clip, Side};
@@ -17,6 +18,8 @@ use surefoot::rig::{Rig, clips, load, load_bytes};
 
 /// Samples a second.
 const HZ: f64 = 120.0;
+/// Captured walks without forces: their contacts are read off their feet.
+const RECORDED: [&str; 2] = ["cmu_02_01_walk", "cmu_12_01_walk"];
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
@@ -30,7 +33,11 @@ fn main() {
             Err(error) => println!("{word}: {error}"),
         }
     }
-    let captured = captured(&data);
+    let mut captured: Vec<(String, Gait, f64)> = Vec::new();
+    captured.extend(measured(&data).map(|(gait, leg)| ("rajagopal".to_owned(), gait, leg)));
+    for name in RECORDED {
+        captured.extend(recorded(&data, name).map(|(gait, leg)| (name.trim_end_matches("_walk").to_owned(), gait, leg)));
+    }
     for (name, rig) in rigs {
         let leg = surefoot::whole_body::Anatomy::new(&rig.body).legs[0].length();
         let pace = (leg / 0.83).sqrt();
@@ -41,9 +48,7 @@ fn main() {
                 None => println!("{name}: no walk at {speed}"),
             }
         }
-        if let Some((gait, leg)) = captured {
-            columns.push(("captured".to_owned(), gait, leg));
-        }
+        columns.extend(captured.iter().cloned());
         print(&name, &columns);
     }
 }
@@ -88,8 +93,39 @@ fn sampled(rig: &Rig, clip: &Clip, hz: f64) -> Vec<BodyPose> {
     (0..=(clip.duration * hz) as usize).map(|sample| sampler.sample(sample as f64 / hz).pose()).collect()
 }
 
-/// The captured walk, its contacts by the force plates.
-fn captured(data: &std::path::Path) -> Option<(Gait, f64)> {
+/// A captured walk, its contacts by the parts of the soles that stand still.
+fn recorded(data: &std::path::Path, name: &str) -> Option<(Gait, f64)> {
+    let file = data.join("clips").join(name).with_extension("bvh");
+    let capture = match mocap::load(&file).and_then(|clips| clips.capture(0, &mocap::Options::default())) {
+        Ok(capture) => capture,
+        Err(error) => {
+            println!("skipped: {error}");
+            return None;
+        }
+    };
+    let poses: Vec<BodyPose> = (0..capture.frames())
+        .map(|frame| BodyPose { hips: capture.at(frame)[0], turns: capture.turns_at(frame).to_vec() })
+        .collect();
+    let time = |frame: usize| frame as f64 / capture.fps;
+    let contacts: Vec<HeldContact> = planted_parts(&capture)
+        .into_iter()
+        .map(|(planted, part, _)| HeldContact {
+            side: planted.side,
+            part,
+            start: time(planted.start),
+            end: time(planted.end + 1),
+            point: glam::DVec3::ZERO,
+            normal: glam::DVec3::Y,
+            frame: Frame::World,
+        })
+        .collect();
+    let motion = Motion { body: &capture.body, hz: capture.fps, per_frame: 4, poses: &poses };
+    let leg = surefoot::whole_body::Anatomy::new(&capture.body).legs[0].length();
+    Some((gait(&Track::new(motion)?, &contacts, 0.0, time(poses.len()))?, leg))
+}
+
+/// The captured walk with its forces, its contacts by the plates.
+fn measured(data: &std::path::Path) -> Option<(Gait, f64)> {
     let file = data.join("forces/rajagopal_walk.glb");
     let Ok(rig) = load(&file) else {
         println!("skipped: the captured walk ({} is not there)", file.display());
