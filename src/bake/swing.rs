@@ -3,7 +3,7 @@
 //! Ground frame, metres, radians. Pitch is positive with the heel up.
 
 use super::clearance::Raise;
-use crate::maths::curve::{bump, sample, smooth3, smooth5};
+use crate::maths::curve::{bump, sample, smooth3, smooth5, trapezoid};
 use crate::maths::quat::wrap_angle;
 use crate::stepper::{Physique, Plant, Step, StepKind};
 use glam::DVec3;
@@ -23,6 +23,8 @@ const LEAD: f64 = 0.05;
 const HEEL_LEAD: f64 = 0.04;
 /// Part of a walker's stance until the foot is flat: 8 to 12 % of the cycle.
 const SETTLES: f64 = 0.185;
+/// Part of the leg, how far from the stance foot a foot that crosses before it must pass.
+const PASSES_BY: f64 = 0.10;
 
 /// A step with its roll. Times in s.
 #[derive(Clone, Copy, Debug)]
@@ -213,8 +215,52 @@ fn detour(step: &Step, other: &Plant, physique: &Physique) -> DVec3 {
         step.side.sign() * (apart.x * plant.yaw.cos() - apart.z * plant.yaw.sin()) > 0.0
     };
     let turns = wrap_angle(step.to.yaw - step.from.yaw).abs() > 0.15;
-    let round = turns && on_own_side(&step.from) && on_own_side(&step.to);
+    let mut round = turns && on_own_side(&step.from) && on_own_side(&step.to);
+    let bent = |sign: f64| {
+        let missing = least - gap * sign;
+        if missing > 0.0 { across * (sign * missing / bump(u).max(0.3)) } else { DVec3::ZERO }
+    };
+    if step.kind == StepKind::Walk && on_own_side(&step.from) && !on_own_side(&step.to) {
+        // Who is shoved across in mid-stride comes past the stance leg first, where there is room before its toes.
+        let toe = DVec3::new(other.yaw.sin(), 0.0, other.yaw.cos());
+        let [behind, before] = [from, to].map(|ankle| (ankle - other.ankle).dot(toe));
+        let near = |share: f64| {
+            let at = from + path * trapezoid(share) + bent(own) * bump(share) - other.ankle;
+            (at - toe * at.dot(toe).clamp(physique.heel, physique.tip)).with_y(0.0).length()
+        };
+        let clear = (1..20).map(|piece| near(f64::from(piece) / 20.0)).fold(f64::INFINITY, f64::min);
+        round |= behind * before < 0.0 && clear > PASSES_BY * physique.leg_length;
+    }
     let sign = if gap.abs() > 0.02 * physique.leg_length && !round { gap.signum() } else { own };
-    let missing = least - gap * sign;
-    if missing > 0.0 { across * (sign * missing / bump(u).max(0.3)) } else { DVec3::ZERO }
+    bent(sign)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Side;
+
+    #[test]
+    fn a_stride_that_is_shoved_across_comes_past_the_stance_leg_on_its_own_side() {
+        let physique = Physique::REFERENCE;
+        let at = |x: f64, z: f64| Plant::level(DVec3::new(x, 0.0, z), 0.0);
+        let stance = at(-0.02, 0.0);
+        let step = |side: Side, sign: f64| Step {
+            kind: StepKind::Walk,
+            side,
+            lift: 0.0,
+            land: 0.4,
+            from: at(-0.02 + 0.11 * sign, -0.68),
+            to: at(-0.02 - 0.30 * sign, 0.65),
+        };
+        for side in Side::BOTH {
+            let sign = side.sign();
+            let walk = step(side, sign);
+            let amid = 0.5 * (walk.from.ankle + walk.to.ankle) + detour(&walk, &stance, &physique);
+            let beside = (amid.x - stance.ankle.x) * sign;
+            assert!(beside > 0.12 * physique.leg_length, "{side:?}: beside the stance leg by {beside} m");
+            let aimed = Step { to: at(-0.02 + 0.11 * sign, 0.65), ..walk };
+            assert!(detour(&aimed, &stance, &physique).length() < 0.02, "{side:?}: a plain stride goes straight");
+        }
+    }
 }

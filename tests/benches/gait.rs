@@ -36,7 +36,8 @@ fn main() {
     let mut captured: Vec<(String, Gait, f64)> = Vec::new();
     captured.extend(measured(&data).map(|(gait, leg)| ("rajagopal".to_owned(), gait, leg)));
     for name in RECORDED {
-        captured.extend(recorded(&data, name).map(|(gait, leg)| (name.trim_end_matches("_walk").to_owned(), gait, leg)));
+        captured
+            .extend(recorded(&data, name).map(|(gait, leg)| (name.trim_end_matches("_walk").to_owned(), gait, leg)));
     }
     for (name, rig) in rigs {
         let leg = surefoot::whole_body::Anatomy::new(&rig.body).legs[0].length();

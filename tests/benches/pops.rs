@@ -1,4 +1,5 @@
-//! Every pop of the shoved and of the walking clips: joint, degrees, the foot's nearest contact edge, the steps around it.
+//! Every pop of the shoved and of the walking clips: joint, degrees, the foot's nearest contact edge, the steps around it;
+//! and every joint that leaves its range, with what else a clip falls short in.
 //!
 //! `cargo bench --bench pops` prints them all and, at the end, how they spread; words after `--` choose clips by a part of
 //! their title, `-q` leaves the list out.
@@ -27,6 +28,24 @@ use surefoot::rig::Rig;
 /// Those that climb.
 const STAIRS: [&str; 6] =
     ["builtin", "gdquest_mannequiny", "godette_vrm0", "kaykit_Knight", "vrm1_debug_robot", "khronos_CesiumMan"];
+
+/// What else is short in a clip: ranges, ZMP, rest, legs, soles.
+fn short(row: &Row) -> Vec<String> {
+    let Some(found) = &row.baked.findings else { return Vec::new() };
+    let excess = found.joints.excesses.iter().map(|excess| {
+        let (angle, by) = (&excess.angle, excess.by.to_degrees());
+        format!("{} {} {:.1} deg out at {:.2} s", angle.role.name(), angle.axis, by, excess.time)
+    });
+    let legs = 100.0 * found.feet.least_leg_distance / found.leg_scale;
+    let rest = [
+        (found.zmp.inside < 0.95, format!("ZMP inside {:.1} %", 100.0 * found.zmp.inside)),
+        (found.balance.rest_from.is_none(), "never at rest".to_owned()),
+        (legs < 8.0, format!("legs {legs:.1} cm at {:.2} s", found.feet.least_leg_time)),
+        (found.feet.slip_max_mm > 2.0, format!("slips {:.1} mm", found.feet.slip_max_mm)),
+        (found.feet.penetration_max_mm > 5.0, format!("sinks {:.1} mm", found.feet.penetration_max_mm)),
+    ];
+    excess.chain(rest.into_iter().filter(|(is, _)| *is).map(|(_, line)| line)).collect()
+}
 
 struct Row {
     grid: &'static str,
@@ -66,9 +85,11 @@ fn main() {
         }
         let mut kinds: BTreeMap<&str, (usize, f64)> = BTreeMap::new();
         for row in &of {
-            if !quiet && !row.lines.is_empty() {
+            let short = short(row);
+            if !quiet && !(row.lines.is_empty() && short.is_empty()) {
                 println!("{}", row.title);
                 row.lines.iter().for_each(|(_, line)| println!("    {line}"));
+                short.iter().for_each(|line| println!("    {line}"));
             }
             for (kind, _) in &row.lines {
                 kinds.entry(kind).or_default().0 += 1;
@@ -84,6 +105,17 @@ fn main() {
         println!("{grid}: kind, pops, weight in clips");
         for (kind, (count, weight)) in kinds {
             println!("    {kind:<40} {count:>4} {weight:>6.1}");
+        }
+        let mut beyond: BTreeMap<String, (usize, f64)> = BTreeMap::new();
+        for excess in of.iter().filter_map(|row| row.baked.findings.as_ref()).flat_map(|found| &found.joints.excesses) {
+            let of_both = excess.angle.role.name().trim_start_matches("left").trim_start_matches("right");
+            let way = if excess.angle.value > excess.angle.range[1] { "over" } else { "under" };
+            let entry = beyond.entry(format!("{of_both} {} {way}", excess.angle.axis)).or_default();
+            *entry = (entry.0 + 1, entry.1.max(excess.by.to_degrees()));
+        }
+        println!("{grid}: out of range, joints, the farthest in degrees");
+        for (what, (count, most)) in beyond {
+            println!("    {what:<40} {count:>4} {most:>6.1}");
         }
         let share =
             |holds: &dyn Fn(&Row) -> bool| 100.0 * of.iter().filter(|row| holds(row)).count() as f64 / of.len() as f64;
