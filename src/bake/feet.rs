@@ -36,7 +36,6 @@ const STAIR: f64 = 0.05;
 const LANDING_FLEXION: f64 = 16.0 * std::f64::consts::PI / 180.0;
 /// rad.
 const MOST_PITCH: f64 = 45.0 * std::f64::consts::PI / 180.0;
-
 /// rad, the farthest that a foot turns out of its curve for its ankle.
 const MOST_EXTRA: f64 = 40.0 * std::f64::consts::PI / 180.0;
 /// m, by which the edge of a sole that rolls may sink, and the roll (rad) that may cost it.

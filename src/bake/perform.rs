@@ -26,8 +26,7 @@ use crate::whole_body::{Anatomy, Solver, stand};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
-/// Passes of reach envelope and balance filter: measured, each still brings the ZMP home a little (nine of them:
-/// two thirds of the clips with 95 % inside, fourteen: three quarters).
+/// Passes of reach envelope and balance filter (measured: with nine two thirds of the clips have the ZMP home, with 14 3/4).
 const PASSES: usize = 16;
 /// Passes in which feet and pelvis still turn for the joints' ranges: the filter settles after them.
 const EASE_PASSES: usize = 10;
@@ -222,8 +221,8 @@ pub fn perform_over(
         shift: vec![DVec3::ZERO; count],
         lowering: vec![0.0; count],
         walking: walking(ticks, trace.dt, scale),
-        bends: [Vec::new(), Vec::new()],
-        swivels: [Vec::new(), Vec::new()],
+        bends: Default::default(),
+        swivels: Default::default(),
         pelvis: [Vec::new(), Vec::new()],
         upper,
         drawn: articulated.as_ref().map_or(Vec::new(), |run| run.run.upper[..count].to_vec()),
@@ -256,12 +255,8 @@ pub fn perform_over(
         }
         if pass > 0 && pass < EASE_PASSES {
             ankles::ease_hips(&mut timeline, &gauge, &solved, scale);
-            // One after the other: each sees what the other left.
-            if pass % 2 == 1 {
-                ankles::ease(&mut timeline, &gauge, &solved, scale);
-            } else {
-                ankles::ease_knees(&mut timeline, &gauge, &solved, scale);
-            }
+            let ease = [ankles::ease_knees, ankles::ease][pass % 2]; // each sees what the other left
+            ease(&mut timeline, &gauge, &solved, scale);
         }
         knees::even_knees(&mut timeline, &solved, scale, &care);
         if pass > 0 {
