@@ -86,7 +86,7 @@ fn main() {
         let mut kinds: BTreeMap<&str, (usize, f64)> = BTreeMap::new();
         for row in &of {
             let short = short(row);
-            if !quiet && !(row.lines.is_empty() && short.is_empty()) {
+            if !(quiet || row.lines.is_empty() && short.is_empty()) {
                 println!("{}", row.title);
                 row.lines.iter().for_each(|(_, line)| println!("    {line}"));
                 short.iter().for_each(|line| println!("    {line}"));
