@@ -44,7 +44,7 @@ fn settle(harness: &mut Harness, desk: &RefCell<Desk>) {
         if !desk.borrow().desk.is_busy() {
             break;
         }
-        assert!(begun.elapsed() < Duration::from_secs(120), "the workers do not end");
+        assert!(begun.elapsed() < Duration::from_secs(300), "the workers do not end");
         std::thread::sleep(Duration::from_millis(5));
     }
     harness.run();
