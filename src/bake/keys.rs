@@ -374,7 +374,10 @@ impl<'a> Frames<'a> {
                         held.distance(&now.seen_from(turn(f64::from(self.times[at]))))
                     });
                     let off = off.fold(0.0, f64::max) - poses[0].max(poses[1]);
-                    if off > worst.0 {
+                    if off > most && pass > PUT_BACK / 2 {
+                        // Where the worst cannot be mended, its neighbours can.
+                        missing.push((frame, contact.side as usize));
+                    } else if off > worst.0 {
                         worst = (off, Some(frame));
                     } else if off <= most {
                         missing.extend(worst.1.map(|frame| (frame, contact.side as usize)));
