@@ -1,4 +1,5 @@
-//! Where a leg still steps suddenly from one frame to the next, the passes take more care of it: knees are evened more there.
+//! Where a leg still steps suddenly from one frame to the next, the passes take more care of it: knees are evened more there,
+//! and one that is sudden because it stands still before or after, in the air, is to go on turning there.
 //!
 //! The measure of a pop (measure/joints.rs) at a film's rate, a little stricter, on the poses that the present curves give.
 //! Nothing is moved here: [`super::knees`] and [`super::reach`] weigh their evening by it. Seconds, radians.
@@ -20,19 +21,32 @@ const WIDTH: f64 = 0.15;
 /// The most care.
 const MOST: f64 = 100.0;
 
-/// How much more than elsewhere the legs are evened at each entry of a run: 1 or more.
+/// What a sudden step's neighbour is asked for, more than would explain it.
+const MORE: f64 = 1.15;
+/// By how much that grows where it is not enough.
+const GROWS: f64 = 1.2;
+
+/// What the legs are asked for at each entry of a run.
 #[derive(Clone, Debug)]
-pub struct Care([Vec<f64>; 2]);
+pub struct Care {
+    care: [Vec<f64>; 2],
+    paces: [Vec<f64>; 2],
+}
 
 impl Care {
     /// The same everywhere, for so many entries.
     pub fn new(count: usize) -> Care {
-        Care([vec![1.0; count], vec![1.0; count]])
+        Care { care: [vec![1.0; count], vec![1.0; count]], paces: [vec![0.0; count], vec![0.0; count]] }
     }
 
-    /// Of one leg, an entry each.
+    /// How much more than elsewhere one leg is evened, an entry each: 1 or more.
     pub fn of(&self, side: Side) -> &[f64] {
-        &self.0[side as usize]
+        &self.care[side as usize]
+    }
+
+    /// rad/s, how fast one knee is to bend in the air from each entry to the next; 0 where nothing is asked.
+    pub fn paces(&self, side: Side) -> &[f64] {
+        &self.paces[side as usize]
     }
 
     /// Doubles it around every sudden step of a leg's joint; `late`, only of a walker's: what evens a knee there takes the
@@ -45,7 +59,11 @@ impl Care {
             let leg = &timeline.anatomy.legs[side as usize];
             for joint in [Some(leg.upper), Some(leg.lower), Some(leg.foot), leg.toe].into_iter().flatten() {
                 let parent = timeline.body.joints[joint].parent.unwrap_or(0);
-                for time in sudden(&turns(solved, parent, joint, timeline)) {
+                for (frame, step) in sudden(&turns(solved, parent, joint, timeline)) {
+                    let time = (frame as f64 + 0.5) / FILM;
+                    if joint == leg.lower {
+                        self.go_on(frame, step, side, timeline, solved);
+                    }
                     let index = ((time / timeline.dt).round() as usize).min(timeline.walking.len().saturating_sub(1));
                     if !late || timeline.walking.get(index).is_some_and(|walking| *walking > 0.0) {
                         self.around(time, side, timeline.dt);
@@ -55,8 +73,39 @@ impl Care {
         }
     }
 
+    /// Asks the knee to turn in the frame two before or two after a sudden step, whichever is in the air and turns more already.
+    fn go_on(&mut self, frame: usize, step: f64, side: Side, timeline: &Timeline, solved: &[Solved]) {
+        let entry = |frame: usize| ((frame as f64 / FILM / timeline.dt).round() as usize).min(solved.len() - 1);
+        let bends = |frame: usize| {
+            let bend = |at: usize| solved[entry(at)].knees[side as usize];
+            bend(frame + 1) - bend(frame)
+        };
+        let flies = |frame: &usize| {
+            (entry(*frame)..=entry(*frame + 1))
+                .all(|index| timeline.feet.freedom(side, index as f64 * timeline.dt) > 0.0)
+        };
+        let around = [frame.checked_sub(2), frame.checked_add(2)].into_iter().flatten().filter(flies);
+        let Some(at) = around.max_by(|a, b| bends(*a).abs().total_cmp(&bends(*b).abs())) else { return };
+        let wanted = MORE * step / TIMES;
+        let now = bends(at);
+        // More bent in the air there is always room; who flies on turns on.
+        let sign = if now.abs() > 0.4 * wanted {
+            now.signum()
+        } else if flies(&frame) {
+            bends(frame).signum()
+        } else if at < frame {
+            -1.0
+        } else {
+            1.0
+        };
+        let paces = &mut self.paces[side as usize][entry(at)..entry(at + 1)];
+        let asked = paces.first().copied().unwrap_or(0.0);
+        let pace = if asked == 0.0 { sign * wanted * FILM } else { asked * GROWS };
+        paces.fill(pace);
+    }
+
     fn around(&mut self, time: f64, side: Side, dt: f64) {
-        for (index, care) in self.0[side as usize].iter_mut().enumerate() {
+        for (index, care) in self.care[side as usize].iter_mut().enumerate() {
             let off = (index as f64 * dt - time) / WIDTH;
             if off.abs() < 1.0 {
                 *care = (*care * (1.0 + bump(0.5 + 0.5 * off))).min(MOST);
@@ -77,15 +126,15 @@ fn turns(solved: &[Solved], parent: usize, joint: usize, timeline: &Timeline) ->
     (0..=frames).map(turn).collect()
 }
 
-/// s, the middles of the steps that their neighbours do not explain.
-fn sudden(turns: &[DQuat]) -> Vec<f64> {
+/// The steps that their neighbours do not explain: the frame that each begins at, and rad.
+fn sudden(turns: &[DQuat]) -> Vec<(usize, f64)> {
     let steps: Vec<f64> = turns.windows(2).map(|pair| pair[0].angle_between(pair[1])).collect();
     let at_or = |at: Option<usize>| at.and_then(|at| steps.get(at)).copied().unwrap_or(0.0);
     let is = |at: &usize| {
         let around = at_or(at.checked_sub(2)).max(at_or(at.checked_add(2)));
         steps[*at] > SUDDEN && steps[*at] > TIMES * around
     };
-    (0..steps.len()).filter(is).map(|at| (at as f64 + 0.5) / FILM).collect()
+    (0..steps.len()).filter(is).map(|at| (at, steps[at])).collect()
 }
 
 #[cfg(test)]
@@ -99,7 +148,7 @@ mod tests {
             (0..30).map(|at| DQuat::from_rotation_x(angle(at))).collect()
         };
         let found = sudden(&over(3.0));
-        assert!(!found.is_empty() && found.iter().all(|time| (time - 11.5 / FILM).abs() < 2.0 / FILM), "{found:?}");
+        assert!(!found.is_empty() && found.iter().all(|(frame, _)| frame.abs_diff(11) < 2), "{found:?}");
         assert!(sudden(&over(6.0)).is_empty());
         let mut care = Care::new(100);
         care.around(0.5, Side::Left, 0.01);

@@ -1,5 +1,6 @@
-//! Foot contacts of a run in scenario space: what the pose solver holds still and the clip promises.
+//! Foot contacts of a run in scenario space: what the pose solver holds still and the clip promises; and when feet landed.
 
+use super::feet::FootCurves;
 use crate::measure::{Frame, HeldContact};
 use crate::model::{Side, report::Part};
 use crate::stepper::Plant;
@@ -33,4 +34,23 @@ pub fn held(contacts: &[FootContact], frame: Frame) -> Vec<HeldContact> {
             frame,
         })
         .collect()
+}
+
+impl FootCurves {
+    /// s between the last two landings of the foot that landed last before that time.
+    pub fn stride_before(&self, time: f64) -> Option<f64> {
+        let lands = |side: Side| {
+            let mut lands =
+                self.feet[side as usize].swings.iter().rev().map(|swing| swing.land).filter(|land| *land <= time);
+            lands.next().zip(lands.next())
+        };
+        let newest = Side::BOTH.into_iter().filter_map(lands).max_by(|a, b| a.0.total_cmp(&b.0));
+        newest.map(|(last, before)| last - before)
+    }
+
+    /// s since the foot last landed; infinite before its first step.
+    pub fn since_landing(&self, side: Side, time: f64) -> f64 {
+        let swings = &self.feet[side as usize].swings;
+        swings.iter().rev().find(|swing| swing.land <= time).map_or(f64::INFINITY, |swing| time - swing.land)
+    }
 }

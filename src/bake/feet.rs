@@ -38,6 +38,8 @@ const LANDING_FLEXION: f64 = 16.0 * std::f64::consts::PI / 180.0;
 const MOST_PITCH: f64 = 45.0 * std::f64::consts::PI / 180.0;
 /// rad, the farthest that a foot turns out of its curve for its ankle.
 const MOST_EXTRA: f64 = 40.0 * std::f64::consts::PI / 180.0;
+/// Part of a swing in which toes take up the roll of their foot.
+const TOES_ROLL: f64 = 0.25;
 /// m, by which the edge of a sole that rolls may sink, and the roll (rad) that may cost it.
 const EDGE_SINK: f64 = 0.0025;
 /// rad.
@@ -149,23 +151,6 @@ impl FootCurves {
             .iter()
             .find(|swing| time > swing.lift && time < swing.land)
             .map_or(0.0, |swing| bump(swing.along(time)).sqrt())
-    }
-
-    /// s between the last two landings of the foot that landed last before that time.
-    pub fn stride_before(&self, time: f64) -> Option<f64> {
-        let lands = |side: Side| {
-            let mut lands =
-                self.feet[side as usize].swings.iter().rev().map(|swing| swing.land).filter(|land| *land <= time);
-            lands.next().zip(lands.next())
-        };
-        let newest = Side::BOTH.into_iter().filter_map(lands).max_by(|a, b| a.0.total_cmp(&b.0));
-        newest.map(|(last, before)| last - before)
-    }
-
-    /// s since the foot last landed; infinite before its first step.
-    pub fn since_landing(&self, side: Side, time: f64) -> f64 {
-        let swings = &self.feet[side as usize].swings;
-        swings.iter().rev().find(|swing| swing.land <= time).map_or(f64::INFINITY, |swing| time - swing.land)
     }
 
     /// Lets heels come up (and stay up after a backward landing) where an ankle would bend past its range.
@@ -379,7 +364,9 @@ impl FootPath {
         if time >= swing.land && swing.strike < 0.0 {
             return [[0.0; 2], self.rolls(self.heel, pitch)];
         }
-        [[-pitch.max(0.0), (MOST_PITCH - pitch).max(0.0)], self.rolls(self.pivot, pitch)]
+        // A foot that its turn lays flatter rolls less.
+        let turned = (pitch + self.extra.at(time)[0]).clamp(0.0, pitch.max(0.0));
+        [[-pitch.max(0.0), (MOST_PITCH - pitch).max(0.0)], self.rolls(self.pivot, turned)]
     }
 
     /// How far the foot rolls either way about a point of it before its sole's edge sinks too deep.
@@ -435,7 +422,10 @@ impl FootPath {
         let normal = swing.from.normal.lerp(swing.to.normal, go).normalize_or(DVec3::Y);
         let between = Plant { ankle: pivot, yaw, normal };
         let turn = turned(&between, pitch) * rolled;
-        let toe = if self.has_toe { turned(&between, pitch * straight) * rolled } else { turn };
+        // Toes lie flat as they leave, and where they land first.
+        let lands = if swing.strike < 0.0 { 1.0 } else { smooth3((1.0 - u) / TOES_ROLL) };
+        let toes_rolled = DQuat::from_rotation_z(roll * smooth3(u / TOES_ROLL) * lands);
+        let toe = if self.has_toe { turned(&between, pitch * straight) * toes_rolled } else { turn };
         let ankle = pivot - turn * self.pivot;
         let mut target = self.pose(ankle, yaw, turn, toe);
         // No part of the sole goes under the ground on the way; edges and bumps are cleared by the raise.

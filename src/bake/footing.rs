@@ -4,10 +4,13 @@
 //! riser before or behind it.
 
 use super::perform::Performance;
+use super::timeline::Timeline;
 use crate::maths::curve::smooth3;
+use crate::measure::joints::LegAngles;
 use crate::model::scenario::GroundKind;
 use crate::model::{Body, FootShape, Side, Terrain};
 use crate::stepper::{Physique, Plant, Step, StepKind};
+use crate::whole_body::solve::Solved;
 use glam::{DMat3, DVec2, DVec3};
 
 /// s, standard deviation of the smoothing of the ground's height under the body.
@@ -59,6 +62,79 @@ pub fn sooner(steps: &[Step], physique: &Physique, cop: &[DVec2], dt: f64, scale
         sooner[number].lift = lift;
     }
     sooner
+}
+
+/// Parts of the leg: a foot that crosses nearer to the other's line than the first lands at least as far as the second before or behind
+/// the other, if it takes no more than the third to bring it there.
+const CROSSES: [f64; 3] = [0.1, 0.302, 0.063];
+
+/// Plants of feet that cross, with room between the shanks.
+pub(super) fn roomier(start: &[Plant; 2], steps: &mut [Step], physique: &Physique) {
+    let [near, room, most] = CROSSES.map(|part| part * physique.leg_length);
+    for number in 0..steps.len() {
+        let step = steps[number];
+        let others = steps[..number].iter().rfind(|other| other.side != step.side && other.land <= step.land);
+        let other = others.map_or(start[step.side.other() as usize], |other| other.to);
+        let ahead = DVec3::new(other.yaw.sin(), 0.0, other.yaw.cos());
+        let apart = step.to.ankle - other.ankle;
+        let beside = step.side.sign() * (apart.x * ahead.z - apart.z * ahead.x);
+        let before = apart.dot(ahead);
+        if step.kind == StepKind::Walk || beside > near || before.abs() < room - most {
+            continue;
+        }
+        let more = ahead * (before.signum() * (room - before.abs()).max(0.0));
+        steps[number].to.ankle += more;
+        if let Some(next) = steps[number + 1..].iter_mut().find(|next| next.side == step.side) {
+            next.from.ankle += more;
+        }
+    }
+}
+
+/// s, how long before a lift an ankle counts as of a foot that leaves.
+const LEAVING: f64 = 0.06;
+/// s, the most by which a foot leaves sooner for its ankle, and where its leg does not reach it.
+const SOONER: [f64; 2] = [0.04, 0.12];
+/// rad, by how much an ankle must be out of its range for that.
+const STRAINED: f64 = 0.8 * std::f64::consts::PI / 180.0;
+/// m, the same of a leg's reach.
+const SHORT: f64 = 1e-3;
+
+/// Lets trailing feet leave a tick sooner that are out of their ankle's range or their leg's reach at the last: the pressure is as
+/// good as gone from them then. Whether any does. Call it a few times over; `solved`: the poses of the present curves.
+pub(super) fn spare_legs(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], scale: f64) -> bool {
+    let dt = timeline.dt;
+    let mut any = false;
+    for side in Side::BOTH {
+        let ranges = legs.ranges(side);
+        for number in 0..timeline.feet.feet[side as usize].swings.len() {
+            let [own, other] = [side, side.other()].map(|side| &timeline.feet.feet[side as usize].swings);
+            let swing = own[number];
+            let landed = other.iter().rfind(|other| other.land <= swing.lift);
+            let Some(landed) = landed.filter(|_| swing.held <= 0.0) else { continue };
+            let stood = number.checked_sub(1).map(|last| own[last].land + own[last].settle.max(LEAST_STAND * scale));
+            let least = (landed.land + LEAST_DOUBLE * scale).max(stood.unwrap_or(f64::NEG_INFINITY));
+            let at_last = |index: &usize| {
+                let time = *index as f64 * dt;
+                time <= swing.lift && *index < solved.len() && !timeline.feet.is_clips(side, time)
+            };
+            let strained = |index: usize| {
+                legs.at(&solved[index].pose, side).is_some_and(|angles| {
+                    (2..4)
+                        .any(|axis| !(ranges[axis][0] - STRAINED..=ranges[axis][1] + STRAINED).contains(&angles[axis]))
+                })
+            };
+            let from = |span: f64| ((swing.lift - span * scale) / dt).ceil().max(0.0) as usize;
+            let may = |most: f64| swing.lift - dt >= least.max(swing.planned - most * scale);
+            let leaves = may(SOONER[0]) && !swing.walks && (from(LEAVING)..).take_while(at_last).any(strained)
+                || may(SOONER[1])
+                    && (from(SOONER[1])..).take_while(at_last).any(|index| solved[index].short[side as usize] > SHORT);
+            if leaves {
+                timeline.feet.feet[side as usize].swings[number].lift -= dt;
+                any = true;
+            }
+        }
+    }
+    any
 }
 
 fn plant_on(foot: &FootShape, terrain: &Terrain, plant: &Plant) -> Plant {
@@ -259,5 +335,29 @@ mod tests {
                 assert!(off < 8e-3, "{off}");
             }
         }
+    }
+
+    #[test]
+    fn a_foot_that_crosses_lands_clear_of_the_other_shank_and_leaves_from_there() {
+        let physique = Physique::REFERENCE;
+        let at = |x: f64, z: f64| Plant::level(DVec3::new(x, 0.0, z), 0.0);
+        let step =
+            |side, lift: f64, from, to| Step { kind: StepKind::Corrective, side, lift, land: lift + 0.3, from, to };
+        let start = [at(0.09, 0.0), at(-0.09, 0.0)];
+        let crossed = |z: f64| {
+            let mut steps = [
+                step(Side::Right, 0.1, start[1], at(0.27, z)),
+                step(Side::Left, 0.5, start[0], at(0.45, z)),
+                step(Side::Right, 0.9, at(0.27, z), at(0.26, z)),
+            ];
+            roomier(&start, &mut steps, &physique);
+            steps
+        };
+        let steps = crossed(0.20);
+        let room = CROSSES[1] * physique.leg_length;
+        assert!((steps[0].to.ankle.z - room).abs() < 1e-9 && steps[2].from == steps[0].to, "{:?}", steps[0]);
+        assert!(steps[1].to == at(0.45, 0.20) && steps[2].to == at(0.26, 0.20), "beside each other feet need none");
+        assert!((crossed(-0.22)[0].to.ankle.z + room).abs() < 1e-9, "behind the other likewise");
+        assert!(crossed(0.10)[0].to == at(0.27, 0.10), "nothing is moved far");
     }
 }

@@ -18,6 +18,8 @@ use glam::DVec3;
 const SLOW: f64 = 0.05;
 /// s.
 const EVEN: f64 = 0.02;
+/// How much more than to be slow a knee keeps to a speed that it is asked for.
+const ASKED: f64 = 16.0;
 /// rad, least bend of a leg in the air.
 const LEAST_BEND: f64 = 10.0 * std::f64::consts::PI / 180.0;
 /// Part of the sole's height over the ground that a straighter knee may take up.
@@ -32,7 +34,8 @@ pub fn even_knees(timeline: &mut Timeline, solved: &[Solved], scale: f64, care: 
     for side in Side::BOTH {
         let legs = (0..solved.len()).map(|index| Leg::of(timeline, side, index, &solved[index]));
         let legs: Vec<Leg> = legs.collect();
-        let bends = fitted(&legs, care.of(side), scale / timeline.dt);
+        let paces: Vec<f64> = care.paces(side).iter().map(|pace| pace * timeline.dt).collect();
+        let bends = fitted(&legs, (care.of(side), &paces), scale / timeline.dt);
         timeline.bends[side as usize] = bends;
     }
 }
@@ -78,8 +81,9 @@ fn lowest(body: &Body, side: Side, foot: &FootTarget, ankle: DVec3, ground: &dyn
     over.fold(f64::INFINITY, f64::min)
 }
 
-/// The bends: as wanted where the leg is not free. `care`: how much more than elsewhere each is evened; `per`: entries a second, of the body's own time.
-fn fitted(legs: &[Leg], care: &[f64], per: f64) -> Vec<f64> {
+/// The bends: as wanted where the leg is not free. `care`: how much more than elsewhere each is evened; `paces`: rad to the next entry that are
+/// asked for instead of none, but for 0; `per`: entries a second, of the body's own time.
+fn fitted(legs: &[Leg], (care, paces): (&[f64], &[f64]), per: f64) -> Vec<f64> {
     let count = legs.len();
     let mut held = vec![false; count];
     let mut bends: Vec<f64> = legs.iter().map(|leg| leg.wanted).collect();
@@ -90,7 +94,8 @@ fn fitted(legs: &[Leg], care: &[f64], per: f64) -> Vec<f64> {
         let mut system = BandedLeastSquares::new(count, 2);
         for (index, leg) in legs.iter().enumerate() {
             if index + 1 < count && legs[index..=index + 1].iter().any(|leg| leg.free) {
-                system.equation(index, &[-1.0, 1.0], 0.0, care[index] * (SLOW * per).powi(2));
+                let asked = if paces[index] == 0.0 { 1.0 } else { ASKED };
+                system.equation(index, &[-1.0, 1.0], paces[index], asked * care[index] * (SLOW * per).powi(2));
             }
             if index + 2 < count && legs[index..=index + 2].iter().any(|leg| leg.free) {
                 system.equation(index, &[1.0, -2.0, 1.0], 0.0, care[index + 1] * (EVEN * per).powi(4));
@@ -130,10 +135,26 @@ mod tests {
             _ => Leg { wanted: 0.3, least: 0.3, free: false },
         };
         let legs: Vec<Leg> = (0..90).map(leg).collect();
-        let bends = fitted(&legs, &[1.0; 90], 100.0);
+        let bends = fitted(&legs, (&[1.0; 90], &[0.0; 90]), 100.0);
         assert!((0..90).filter(|at| !legs[*at].free).all(|at| bends[at] == 0.3), "a planted leg is left alone");
         assert!(bends[42..48].iter().all(|bend| *bend > 0.89), "over the ground: {:?}", &bends[42..48]);
         let fastest = bends.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
         assert!(fastest < 0.13, "{fastest} rad in 10 ms, 0.9 wanted");
+    }
+
+    #[test]
+    fn a_knee_that_is_asked_for_a_speed_in_the_air_has_it_and_one_on_the_ground_has_not() {
+        let leg = |index: i32| Leg {
+            wanted: 0.5,
+            least: if (20..60).contains(&index) { 0.2 } else { 0.5 },
+            free: (20..60).contains(&index),
+        };
+        let legs: Vec<Leg> = (0..80).map(leg).collect();
+        let mut paces = [0.0; 80];
+        paces[53..57].fill(-0.02);
+        paces[70..74].fill(-0.02);
+        let bends = fitted(&legs, (&[1.0; 80], &paces), 100.0);
+        assert!((53..57).all(|at| bends[at + 1] - bends[at] < -0.012), "{:?}", &bends[50..60]);
+        assert!(bends[60..].iter().all(|bend| *bend == 0.5), "a planted leg is left alone");
     }
 }

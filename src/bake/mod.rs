@@ -4,6 +4,7 @@
 //! as an engine would and says what it measured. Scenario space until the keys. No file is touched here.
 
 mod ankles;
+mod apart;
 pub mod auto;
 mod balance;
 pub mod base;
@@ -22,6 +23,7 @@ mod leverage;
 mod looped;
 pub mod perform;
 pub mod props;
+pub mod pushes;
 pub mod ragdoll;
 mod reach;
 mod report;

@@ -9,13 +9,13 @@ use super::contacts::{self, FootContact};
 use super::ragdoll::{self, Drive};
 use super::throws::{self, Ball};
 use super::timeline::Timeline;
-use super::{BakeError, ankles, balance, care, feet, footing, knees, reach};
+use super::{BakeError, ankles, apart, balance, care, feet, footing, knees, pushes, reach};
 use crate::maths::curve::smooth3;
 use crate::maths::seed::Seed;
 use crate::measure::joints::LegAngles;
 use crate::measure::{Frame, KnownPush, PushPoint};
-use crate::model::scenario::{Character, Direction, Feet, GroundKind, Scenario};
-use crate::model::{Body, Role, Side, Terrain};
+use crate::model::scenario::{Character, Feet, Scenario};
+use crate::model::{Body, Side, Terrain};
 use crate::sim::{Script, SessionPush, SimulateOptions, TickState, Trace, simulate};
 use crate::stepper::{Phase, Physique, Step, Style};
 use crate::whole_body::reaction::{Personality, Reaction, Senses, UpperAngles};
@@ -33,11 +33,15 @@ const EASE_PASSES: usize = 10;
 /// Passes until which recoveries take more care of sudden legs; walks do until the last but one.
 const CARE_PASSES: usize = 8;
 /// s, in which a walk that is a base clip's is left at first and come back to at last.
-const ENDS: f64 = 0.25;
+const ENDS: f64 = 0.12;
 /// Damping of the first passes and of the last.
 const DAMPING: [f64; 2] = [0.002, 0.012];
 /// Passes in which the feet still adapt their roll to the ankles.
 const ROLL_PASSES: usize = 4;
+/// Rounds at last of lowering and bends, and m that the lowering moves without bends that follow.
+const SETTLES: usize = 2;
+/// m.
+const MOVED: f64 = 5e-4;
 
 /// A performed scenario.
 #[derive(Clone, Debug)]
@@ -93,7 +97,7 @@ pub fn perform_over(
     let most = ((options.duration + options.extra) / options.dt).ceil() as usize + 2;
     let physiques = carried::physiques(body, &anatomy, (&carried, &loads), options.dt, most);
     let mut script = Script { physiques, ..Script::of(scenario, Vec::new()) };
-    let mut pushes = known_pushes(body, scenario);
+    let mut pushes = pushes::known(body, scenario);
     let mut trace = match &over {
         Some(Over::Walk(walked)) => {
             script.walk = vec![walked.lane()];
@@ -164,7 +168,7 @@ pub fn perform_over(
     let taken_up = carried.iter().filter_map(Carried::begins).fold(f64::INFINITY, f64::min);
     let still_until = match &over {
         Some(Over::Walk(_)) => pushes.iter().map(|push| push.start).fold(whole(scenario, trace.dt), f64::min),
-        _ => still_until(scenario, &pushes, taken_up),
+        _ => pushes::still_until(scenario, &pushes, taken_up),
     };
     // What the end cuts off is flown as far as it goes; who falls does not land.
     let aloft = trace.aloft.filter(|_| trace.lost.is_none());
@@ -176,6 +180,9 @@ pub fn perform_over(
         None => footing::sooner(&steps, &physique, &cop, trace.dt, scale),
     };
     let (start, mut steps) = footing::grounded(body, &terrain, &trace.start, &steps);
+    if terrain.is_flat() && articulated.is_none() {
+        footing::roomier(&start, &mut steps, &physique);
+    }
     let facing = ticks.last().map_or(0.0, |tick| tick.facing);
     let busy = pushes.iter().map(|push| push.end).fold(0.0, f64::max);
     let end = (count - 1) as f64 * trace.dt;
@@ -249,9 +256,15 @@ pub fn perform_over(
         }
         reach::lower_into_reach(&mut timeline, &solved, scale, &care, damping(pass));
         if pass > 0 && pass <= ROLL_PASSES {
+            apart::keep_apart(&mut timeline, &solved);
             let Timeline { body, anatomy, feet, dt, .. } = &mut timeline;
             feet.ease_ankles(body, anatomy, &solved, &cop, *dt);
             held = contacts::held(&feet.contacts((count - 1) as f64 * *dt), frame);
+        }
+        if (ROLL_PASSES + 1..EASE_PASSES - 1).contains(&pass)
+            && footing::spare_legs(&mut timeline, &gauge, &solved, scale)
+        {
+            held = contacts::held(&timeline.feet.contacts((count - 1) as f64 * timeline.dt), frame);
         }
         if pass > 0 && pass < EASE_PASSES {
             ankles::ease_hips(&mut timeline, &gauge, &solved, scale);
@@ -264,14 +277,18 @@ pub fn perform_over(
             zmp_before_pass.push(balance::pass(&mut timeline, &poses, &held, &pushes));
         }
     }
-    let solved = timeline.solve_all();
     // The swinging legs' mass moves the hips: the bends stay, so that this lowering is the one that they need.
-    reach::lower_into_reach(&mut timeline, &solved, scale, &care, damping(PASSES));
+    settle(&mut timeline, scale, &care);
     if home {
-        // Both ends are the base clip's.
+        // Both ends are the base clip's, the last where the walk is back in it.
+        let back = !matches!(&timeline.over, Some(Over::Walk(walked)) if !walked.ends_in_clip(end));
         let held = |index: usize| {
             let time = index as f64 * trace.dt;
-            if walks { smooth3(time / ENDS) * smooth3((end - time) / ENDS) } else { left[index] }
+            if walks {
+                smooth3(time / ENDS) * if back { smooth3((end - time) / ENDS) } else { 1.0 }
+            } else {
+                left[index]
+            }
         };
         timeline.lowering.iter_mut().enumerate().for_each(|(index, lowering)| *lowering *= held(index));
         if walks {
@@ -298,30 +315,27 @@ pub fn perform_over(
     Ok(Performance { timeline, trace, lost, contacts, pushes, balls, physique, zmp_before_pass, articulated })
 }
 
+/// The lowering and the bends in the air that each other need: the swinging legs' mass moves the hips, and a hip that is lowered takes
+/// along a foot whose knee is told its bend.
+fn settle(timeline: &mut Timeline, scale: f64, care: &care::Care) {
+    let mut solved = timeline.solve_all();
+    for _ in 0..SETTLES {
+        let was = timeline.lowering.clone();
+        reach::lower_into_reach(timeline, &solved, scale, care, damping(PASSES));
+        let moved = was.iter().zip(&timeline.lowering).map(|(was, now)| (now - was).abs()).fold(0.0, f64::max);
+        if moved < MOVED {
+            return;
+        }
+        solved = timeline.solve_all();
+        knees::even_knees(timeline, &solved, scale, care);
+        solved = timeline.solve_all();
+    }
+}
+
 /// How much the lowering holds on to the last pass's: little while it finds its place, more as it settles.
 fn damping(pass: usize) -> f64 {
     let settled = ((pass as f64 - ROLL_PASSES as f64) / 8.0).clamp(0.0, 1.0);
     DAMPING[0] * (DAMPING[1] / DAMPING[0]).powf(settled)
-}
-
-/// s, when the first thing happens: a push, the ground's turn, hands that go for a box, or what the character means to do.
-/// At rest before.
-fn still_until(scenario: &Scenario, pushes: &[KnownPush], taken_up: f64) -> f64 {
-    let meant = (scenario.walk.iter().map(|walk| walk.start))
-        .chain(scenario.turn.iter().map(|turn| turn.start))
-        .chain(scenario.crouch.iter().map(|crouch| crouch.start))
-        .chain(scenario.stand.iter().map(|stand| stand.start));
-    let turning = match &scenario.ground.kind {
-        // The first point of either says from when on it turns: before, it holds.
-        GroundKind::Platform { pitch, roll } => [pitch, roll]
-            .into_iter()
-            .flat_map(|points| points.windows(2).find(|pair| pair[0][1] != pair[1][1]))
-            .map(|pair| pair[0][0])
-            .fold(f64::INFINITY, f64::min),
-        _ => f64::INFINITY,
-    };
-    let first = meant.chain(pushes.iter().map(|push| push.start)).fold(turning.min(taken_up), f64::min);
-    if first.is_finite() { first.max(0.0) } else { 0.0 }
 }
 
 /// The last entry before a planted foot is out of its leg's reach; `None` where all are reached.
@@ -337,39 +351,6 @@ fn held_until(timeline: &Timeline) -> Option<usize> {
 
 /// m, a planted foot that is farther than this from where it stands does not hold.
 const OUT_OF_REACH: f64 = 5e-4;
-
-/// The scenario's pushes and pulls as forces on joints of the body, in order of start.
-/// With each, whether its direction is the character's own: then as for one that faces +Z.
-fn known_pushes(body: &Body, scenario: &Scenario) -> Vec<(KnownPush, bool)> {
-    let mut pushes: Vec<(KnownPush, bool)> = scenario
-        .push
-        .iter()
-        .chain(&scenario.pull)
-        .map(|push| {
-            let known = KnownPush {
-                start: push.start,
-                end: push.end().min(scenario.duration),
-                force: push.toward.unit(0.0) * push.force,
-                at: PushPoint::Joint(nearest_joint(body, push.at)),
-            };
-            (known, !matches!(push.toward, Direction::Vector(_)))
-        })
-        .collect();
-    pushes.sort_by(|a, b| a.0.start.total_cmp(&b.0.start));
-    pushes
-}
-
-/// The joint of that role, or of the nearest role up the body that it has.
-pub fn nearest_joint(body: &Body, role: Role) -> usize {
-    let mut role = Some(role);
-    while let Some(wanted) = role {
-        if let Some(joint) = body.joint(wanted) {
-            return joint;
-        }
-        role = wanted.parent();
-    }
-    0
-}
 
 fn run(
     body: &Body,

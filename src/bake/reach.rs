@@ -15,10 +15,10 @@ use glam::DVec3;
 
 /// Longest part of a planted leg that is used: straighter, and the knee pops.
 const PLANTED_REACH: f64 = 0.994;
+/// The same of a walker, who vaults over legs that are almost straight and lands on one.
+const WALKING_REACH: f64 = 0.997;
 /// Part of the leg that a landing leaves bent, and for how long (s): people land on bent knees, and a straight one pops.
 const LANDING_BEND: f64 = 0.02;
-/// The same of a walker, who lands on a leg that is almost straight.
-const WALKING_BEND: f64 = 0.008;
 /// Part of the leg by which a walker may rise over the standing height: the swinging leg's mass is up.
 const RISES: f64 = 0.04;
 /// Part of the leg, the arm at which a planted knee's angular acceleration counts as acceleration.
@@ -36,9 +36,11 @@ const MOST_SUNK: f64 = 0.3;
 /// s, time in which a sinking that nothing holds comes up again (for a centre of mass at 0.96 m).
 const RISE: f64 = 0.11;
 /// Part of the leg that a walker's centre of mass travels up and down at most.
-const TRAVEL: f64 = 0.072;
+const TRAVEL: f64 = 0.078;
 /// s, the same of a walker.
-const STRIDE: f64 = 0.085;
+const STRIDE: f64 = 0.06;
+/// s, the same where a base clip walks.
+const BASE_STRIDE: f64 = 0.085;
 /// Weight of a sample whose need is not met, against the squared acceleration: it pushes up only.
 const HOLD: f64 = 3e11;
 /// m, how far over the need the lowering aims, so that the soft hold still meets it.
@@ -59,8 +61,11 @@ pub fn lower_into_reach(timeline: &mut Timeline, solved: &[Solved], scale: f64, 
     timeline.lowering = if need.iter().all(|need| *need == 0.0) {
         vec![0.0; need.len()]
     } else {
-        let rise: Vec<f64> =
-            timeline.walking.iter().map(|walking| scale * (RISE + (STRIDE - RISE) * walking)).collect();
+        let rise = |index: usize| {
+            let (walks, own) = (timeline.walking[index], walking(timeline, index));
+            scale * (RISE + (STRIDE - RISE) * own + (BASE_STRIDE - RISE) * (walks - own).max(0.0))
+        };
+        let rise: Vec<f64> = (0..need.len()).map(rise).collect();
         // Nobody sees a push coming: up to each, the lowering is the one that would have been without it.
         let mut done: Vec<f64> = Vec::new();
         for surprise in timeline.surprises.iter().copied().chain([f64::INFINITY]) {
@@ -174,11 +179,12 @@ fn need_at(timeline: &Timeline, index: usize, pose: &Solved) -> f64 {
         let leg = timeline.anatomy.legs[side as usize].length();
         let landed = 1.0 - smooth3(timeline.feet.since_landing(side, time) / LANDING);
         // An articulated body bends the knees that it lands on itself.
-        let bend = if timeline.drawn.is_empty() { LANDING_BEND + (WALKING_BEND - LANDING_BEND) * walking } else { 0.0 };
+        let bend = if timeline.drawn.is_empty() { LANDING_BEND * (1.0 - walking) } else { 0.0 };
         // A base clip may stand on straighter legs; nothing is asked of it before it is disturbed.
         let calm = 1.0 - smooth3((time - timeline.still_until) / UNBENDS);
         let straightest = timeline.over.as_ref().map_or(0.0, |over| over.reach(side) + 1e-4 + 0.02 * calm);
-        let reach = leg * (PLANTED_REACH.max(straightest) - bend * landed + 0.05 * freedom);
+        let planted = PLANTED_REACH + (WALKING_REACH - PLANTED_REACH) * walking;
+        let reach = leg * (planted.max(straightest) - bend * landed + 0.05 * freedom);
         let hip = pose.hips[side as usize];
         let ankle = timeline.feet.at(side, time).ankle;
         let flat = (hip - ankle) * DVec3::new(1.0, 0.0, 1.0);

@@ -22,13 +22,14 @@ const LEAD: f64 = 0.05;
 /// s, the same of the toes of a walker that lands on its heel: its pitch takes five frames or more.
 const HEEL_LEAD: f64 = 0.04;
 /// Part of a walker's stance until the foot is flat: 8 to 12 % of the cycle.
-const SETTLES: f64 = 0.185;
+const SETTLES: f64 = 0.183;
 /// Part of the leg, how far from the stance foot a foot that crosses before it must pass.
 const PASSES_BY: f64 = 0.10;
 
 /// A step with its roll. Times in s.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Swing {
+    pub(super) planned: f64, // s, the lift that the step has
     pub(super) lift: f64,
     pub(super) land: f64,
     pub(super) heel_off: f64, // how long before `lift` the heel comes up
@@ -82,7 +83,7 @@ impl Swing {
         // A walker rolls over the ball long before the foot leaves, and far.
         let walks = step.kind == StepKind::Walk && forward > 0.25;
         let (peak, heel_off, peak_after, fastest) = if walks {
-            (26.0 + 22.0 * forward.min(1.5), (0.32 * scale).min(1.2 * room), 0.04 * scale, FASTEST_STRIDE)
+            (28.0 + 22.0 * forward.min(1.5), (0.42 * scale).min(1.8 * room), 0.04 * scale, FASTEST_STRIDE)
         } else {
             (peak, heel_off, peak_after, FASTEST_ROLL)
         };
@@ -103,6 +104,7 @@ impl Swing {
         };
         let settle = (settle * scale).min(0.35 * (after - step.land).max(0.0));
         Swing {
+            planned: step.lift,
             lift: step.lift,
             land: step.land,
             heel_off,

@@ -7,7 +7,7 @@
 //! 20 ms, keeps 0.3 of the closing speed and has no friction. A ball meets the body once, and no other ball.
 
 use super::carried::hide_beyond;
-use super::perform::nearest_joint;
+use super::pushes::nearest_joint;
 use super::timeline::Timeline;
 use crate::maths::curve::smooth3;
 use crate::maths::seed::Seed;

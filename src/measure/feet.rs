@@ -197,8 +197,14 @@ fn leg_axis(track: &Track, sample: usize, knee: usize, foot: &FootShape) -> [DVe
     [positions[knee], positions[foot.ankle], toe]
 }
 
-/// Least distance between two segments (Ericson, "Real-Time Collision Detection", 5.1.9).
+/// Least distance between two segments.
 pub fn segment_distance(a: [DVec3; 2], b: [DVec3; 2]) -> f64 {
+    let [on_a, on_b] = nearest_points(a, b);
+    on_a.distance(on_b)
+}
+
+/// The nearest points of two segments (Ericson, "Real-Time Collision Detection", 5.1.9).
+pub fn nearest_points(a: [DVec3; 2], b: [DVec3; 2]) -> [DVec3; 2] {
     let (along_a, along_b, between) = (a[1] - a[0], b[1] - b[0], a[0] - b[0]);
     let (aa, bb, ab) = (along_a.length_squared(), along_b.length_squared(), along_a.dot(along_b));
     let (c, f) = (along_a.dot(between), along_b.dot(between));
@@ -221,7 +227,7 @@ pub fn segment_distance(a: [DVec3; 2], b: [DVec3; 2]) -> f64 {
             (s, t)
         }
     };
-    (a[0] + along_a * s).distance(b[0] + along_b * t)
+    [a[0] + along_a * s, b[0] + along_b * t]
 }
 
 #[cfg(test)]

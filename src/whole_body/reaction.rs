@@ -68,6 +68,14 @@ pub const UPPER: usize = 18;
 const PUSH_ARM: f64 = 0.19;
 /// m, from the middle to a shoulder of the reference body.
 const SHOULDER: f64 = 0.18;
+/// s, how far ahead a fall is felt.
+const FORESEES: f64 = 0.12;
+/// Leg lengths: who will be farther off his feet is alarmed.
+const ALARMS: f64 = 0.045;
+/// s, from a fall that is felt to arms that answer it, give or take a person's own.
+const HEARS: f64 = 0.08;
+/// s, in which alarm rises: slower, and arms start late; faster, and they jerk.
+const RISES: f64 = 0.09;
 /// What the pelvis takes of the trunk's lean, left and forward.
 const PELVIS_SHARE: [f64; 2] = [0.30, 0.38];
 
@@ -217,6 +225,7 @@ impl Reaction {
         for axis in 0..2 {
             angles[16 + axis] = soft_limit(self.tuck[axis].x, 0.35);
         }
+        angles[17] += stride.tilt * self.strides;
         angles
     }
 
@@ -256,8 +265,13 @@ impl Reaction {
         let unmeant = (senses.velocity - senses.wanted) / (GRAVITY * self.physique.com_height).sqrt();
         let strayed =
             local(DVec3::new(unmeant.x, 0.0, unmeant.y)) * (self.physique.com_height / self.physique.leg_length);
-        let off = standing.lerp(strayed, walking);
-        let raw = ((off.length() - 0.035 - 0.07 * walking) / 0.24).clamp(0.0, 1.0);
+        // Who is thrown feels where he will be, not where he is: the arms are on their way before the body is far off.
+        let omega = (GRAVITY / self.physique.com_height).sqrt();
+        let rate = senses.velocity + DVec2::new(senses.acceleration.x, senses.acceleration.z) / omega;
+        let rate = local(DVec3::new(rate.x, 0.0, rate.y)) / self.physique.leg_length;
+        let foreseen = if rate.dot(standing) >= 0.0 { standing + rate * (FORESEES * scale) } else { standing };
+        let off = foreseen.lerp(strayed, walking);
+        let raw = ((off.length() - ALARMS - 0.06 * walking) / 0.32).clamp(0.0, 1.0);
         // Nobody is alarmed by his own starting and stopping.
         let willed = walking.max(f64::from(u8::from(senses.on_one)));
         self.walked = willed.max(self.walked - dt / (2.0 * scale));
@@ -265,10 +279,10 @@ impl Reaction {
         let pace = (GRAVITY * self.physique.com_height).sqrt();
         let raw = raw * (self.shoved / (0.05 * pace)).min(1.0).max(1.0 - self.walked);
         self.alarm_line.push(raw);
-        let delay = ((0.12 + 0.02 * self.personality.arms_delay) * scale / dt).round() as usize;
+        let delay = ((HEARS + 0.02 * self.personality.arms_delay) * scale / dt).round() as usize;
         let heard =
             if self.alarm_line.len() > delay { self.alarm_line[self.alarm_line.len() - 1 - delay] } else { 0.0 };
-        let time = if heard > self.alarm { 0.07 } else { 0.40 * self.unhurried } * scale;
+        let time = if heard > self.alarm { RISES } else { 0.40 * self.unhurried } * scale;
         self.alarm += (heard - self.alarm) * (1.0 - (-dt / time).exp());
         if raw > 0.0 {
             let towards = off.normalize_or_zero();

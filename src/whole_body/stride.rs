@@ -14,7 +14,9 @@ use std::f64::consts::TAU;
 /// rad of the shoulder for each leg length between the feet.
 const ARM_SWING: f64 = 0.34;
 /// rad of the pelvis likewise.
-const PELVIS_TURN: f64 = 0.14;
+const PELVIS_TURN: f64 = 0.13;
+/// rad, by how much more a walker's pelvis tilts forwards.
+const PELVIS_TILT: f64 = 2.0 * TAU / 360.0;
 /// Of the ground's grade (rad) the chest leans into it, up and down. The line from hips to neck, that has less of it, then
 /// leans forward by 6 to 8 degrees more at 10 degrees up, as people's does, and is about upright going down.
 const INTO_SLOPE: [f64; 2] = [1.0, 0.15];
@@ -47,6 +49,8 @@ pub struct StrideAngles {
     pub elbows: [f64; 2],
     /// Lean of the trunk, forwards.
     pub lean: f64,
+    /// Tilt of the pelvis, forwards.
+    pub tilt: f64,
 }
 
 impl Stride {
@@ -82,6 +86,7 @@ impl Stride {
             arms: [self.arms[0].x, self.arms[1].x],
             elbows: [self.elbows[0].x, self.elbows[1].x],
             lean: (0.02 * soft_limit(forward, 2.0) + into) * self.share,
+            tilt: PELVIS_TILT * soft_limit(forward.max(0.0), 1.0) * self.share,
         }
     }
 }

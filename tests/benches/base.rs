@@ -2,7 +2,8 @@
 //! from the base clip's pose. `cargo bench --bench base` prints it.
 //!
 //! Below them the walks: each clip as it is, held on its feet, and pushed with 40 Ns from four directions. Impulses are for 89.5 kg and a
-//! 0.83 m leg, and scale with the body.
+//! 0.83 m leg, and scale with the body. Words after `--` choose walks by a part of their name and leave the shoves out, `-v` prints each
+//! clip's contacts that slip and its pops.
 
 #![expect(clippy::print_stdout, reason = "the table")]
 
@@ -66,8 +67,11 @@ fn main() {
         println!("skipped: no third-party rigs in {}", folder.display());
         return;
     }
-    stands(&folder);
-    walks(&folder);
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
+    if words.is_empty() {
+        stands(&folder);
+    }
+    walks(&folder, &words, std::env::args().any(|word| word == "-v"));
 }
 
 fn stands(folder: &Path) {
@@ -118,7 +122,7 @@ fn stands(folder: &Path) {
 }
 
 /// The walks: as keyed (its travel taken from its feet), as held, and pushed.
-fn walks(folder: &Path) {
+fn walks(folder: &Path, words: &[String], verbose: bool) {
     println!(
         "\n{:<40}{:>32}{:>26}{:>62}",
         "walks", "the clip as it is", "on held feet", "pushed with 40 Ns from four directions, the worst"
@@ -150,14 +154,20 @@ fn walks(folder: &Path) {
             |path: &str| path.rsplit('/').next().and_then(|name| name.split('.').next()).unwrap_or("").to_owned();
         let name = if rig == file { clip.to_owned() } else { format!("{} {clip}", stem(file)) };
         let name = format!("{} {name}", stem(rig).split('_').nth(1).unwrap_or(""));
+        if !words.is_empty() && !words.iter().any(|word| name.contains(word.as_str())) {
+            continue;
+        }
         match walk(folder, rig, file, clip) {
-            Ok(row) => println!("{name:<40}{row}"),
+            Ok((row, lines)) => {
+                println!("{name:<40}{row}");
+                lines.iter().filter(|_| verbose).for_each(|line| println!("    {line}"));
+            }
             Err(error) => println!("{name:<40}{error}"),
         }
     }
 }
 
-fn walk(folder: &Path, rig_file: &str, file: &str, clip: &str) -> Result<String, String> {
+fn walk(folder: &Path, rig_file: &str, file: &str, clip: &str) -> Result<(String, Vec<String>), String> {
     let rig = load(&folder.join(rig_file)).map_err(|error| error.to_string())?;
     let base = Arc::new(base_of(&rig, &folder.join(file), clip, rig_file == file)?);
     let own = as_it_is(&rig, &base)?;
@@ -191,7 +201,8 @@ fn walk(folder: &Path, rig_file: &str, file: &str, clip: &str) -> Result<String,
         told.map_or(String::new(), |[zmp, slip, sink, pops]| format!("{zmp:>8.1}{slip:>6.1}{sink:>6.1}{pops:>6.0}"))
     };
     let most = baked.iter().map(ends).fold([0.0_f64; 4], |a, b| std::array::from_fn(|at| a[at].max(b[at])));
-    Ok(format!(
+    let lines = runs.iter().zip(&baked).flat_map(|(run, baked)| faults(*run, baked)).collect();
+    let row = format!(
         "{own}{}{}{:>10.3}{:>6.2}{:>9.3}{:>6.2}{:>4}/4",
         show(worst(still)),
         show(worst(pushed)),
@@ -200,7 +211,38 @@ fn walk(folder: &Path, rig_file: &str, file: &str, clip: &str) -> Result<String,
         most[2],
         most[3],
         pushed.iter().filter(back).count()
-    ))
+    );
+    Ok((row, lines))
+}
+
+/// How a run ended, its contacts that slip by more than 2 mm, and its pops.
+fn faults((way, impulse): (f64, f64), baked: &Baked) -> Vec<String> {
+    let told = baked.report.base.as_ref().expect("the clip says where it comes from");
+    let measured = &baked.report.plausibility;
+    let mut lines = vec![format!(
+        "{impulse} Ns towards {way}: {:?}, {} steps, ZMP {:.1} %, last {:.2} degrees and {:.2} mm off",
+        baked.report.outcome,
+        baked.report.steps,
+        measured.zmp_inside * 100.0,
+        told.last_deg,
+        told.last_mm
+    )];
+    lines.extend(baked.warnings.iter().map(|note| format!("    {note}")));
+    for contact in baked.report.contacts.iter().filter(|contact| contact.slip_mm > 2.0) {
+        lines.push(format!(
+            "    {:?} {:?} {:.3} to {:.3} s slips by {:.1} mm",
+            contact.foot, contact.part, contact.start, contact.end, contact.slip_mm
+        ));
+    }
+    for pop in baked.findings.iter().flat_map(|findings| &findings.joints.pops) {
+        lines.push(format!(
+            "    {} pops by {:.1} degrees at {:.2} s",
+            pop.role.name(),
+            pop.step.to_degrees(),
+            pop.time
+        ));
+    }
+    lines
 }
 
 /// ZMP inside (%), slip and sink (mm), pops.

@@ -42,9 +42,16 @@ fn short(row: &Row) -> Vec<String> {
         (found.balance.rest_from.is_none(), "never at rest".to_owned()),
         (legs < 8.0, format!("legs {legs:.1} cm at {:.2} s", found.feet.least_leg_time)),
         (found.feet.slip_max_mm > 2.0, format!("slips {:.1} mm", found.feet.slip_max_mm)),
-        (found.feet.penetration_max_mm > 5.0, format!("sinks {:.1} mm", found.feet.penetration_max_mm)),
+        (
+            found.feet.penetration_max_mm > 5.0,
+            format!("sinks {:.1} mm at {:.2} s", found.feet.penetration_max_mm, found.feet.penetration_time),
+        ),
     ];
-    excess.chain(rest.into_iter().filter(|(is, _)| *is).map(|(_, line)| line)).collect()
+    let slips = row.baked.report.contacts.iter().filter(|contact| contact.slip_mm > 2.0).map(|contact| {
+        let (foot, part) = (contact.foot, contact.part);
+        format!("{foot:?} {part:?} {:.2} to {:.2} s slips {:.1} mm", contact.start, contact.end, contact.slip_mm)
+    });
+    excess.chain(slips).chain(rest.into_iter().filter(|(is, _)| *is).map(|(_, line)| line)).collect()
 }
 
 struct Row {

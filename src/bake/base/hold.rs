@@ -29,12 +29,17 @@ const KEPT: f64 = 0.12;
 /// s at a leg of 0.83 m: a foot that stands until so shortly before a frame that is kept, or from so shortly after it, stands as the clip's
 /// does then.
 const CLOSE: f64 = 0.25;
+/// s: as long before and after a frame that is kept a leg does not stretch farther than it does,
+const NEAR_KEPT: f64 = 0.25;
+/// of its length, than that.
+const REACHES: f64 = 1.002;
 /// m, the same of its height.
 const OVER: f64 = 0.012;
 
 /// A foot as a clip has it: ankle, foot and toe.
 #[derive(Clone, Copy, Debug)]
 struct Posed {
+    hip: DVec3,
     ankle: DVec3,
     foot: DQuat,
     toe: DQuat,
@@ -52,13 +57,20 @@ pub(super) fn hold(
     let shape = &body.feet[side as usize];
     let role = if side == Side::Left { Role::LeftFoot } else { Role::RightFoot };
     let ankle = body.joint(role).unwrap_or(shape.ankle);
+    let [hip, knee] = match side {
+        Side::Left => [Role::LeftUpperLeg, Role::LeftLowerLeg],
+        Side::Right => [Role::RightUpperLeg, Role::RightLowerLeg],
+    }
+    .map(|role| body.joint(role).unwrap_or(ankle));
+    let rest = |joint: usize| body.joints[joint].rest;
+    let leg = rest(hip).distance(rest(knee)) + rest(knee).distance(rest(ankle));
     let posed: Vec<Posed> = frames
         .iter()
         .map(|frame| {
             let positions = frame.pose.positions(body);
             let foot = frame.pose.turns[ankle];
             let toe = shape.toe.map_or(foot, |toe| frame.pose.turns[toe]);
-            Posed { ankle: positions[ankle], foot, toe }
+            Posed { hip: positions[hip], ankle: positions[ankle], foot, toe }
         })
         .collect();
     let to_ball = to_ball(body, side);
@@ -77,8 +89,8 @@ pub(super) fn hold(
         let pitch = |frame: usize| ball(frame) - heel(frame);
         let is_flat = |frame: &usize| pitch(*frame).abs() < UP * size;
         let flattest = (first..=last).min_by(|a, b| pitch(*a).abs().total_cmp(&pitch(*b).abs())).unwrap_or(first);
-        let flat_from = (first..=last).find(is_flat).unwrap_or(flattest);
-        let flat_to = (flat_from..=last).rfind(is_flat).unwrap_or(flat_from);
+        let mut flat_from = (first..=last).find(is_flat).unwrap_or(flattest);
+        let mut flat_to = (flat_from..=last).rfind(is_flat).unwrap_or(flat_from);
         let part = |frame: usize| if pitch(frame) > 0.0 { Part::Heel } else { Part::Ball };
         let pivot = |part: Part| if part == Part::Heel { to_heel } else { to_ball };
         let parts = [part(first), part(last)];
@@ -116,6 +128,26 @@ pub(super) fn hold(
         }
         let at = |pivot: DVec3| lies.ankle + lies.foot * pivot;
         let (comes_at, leaves_at) = (at(comes), at(leaves));
+        // Near a frame that is kept the body is where the clip has it: a leg that does not reach there does not stand.
+        let short = |frame: usize| {
+            let close = |exact: &usize| *exact != frame && exact.abs_diff(frame) as f64 <= NEAR_KEPT * fps;
+            let own = posed[frame];
+            let ankle = if (flat_from..=flat_to).contains(&frame) {
+                lies.ankle
+            } else {
+                let (flat, pivot, at) =
+                    if frame < flat_from { (&from, comes, comes_at) } else { (&to, leaves, leaves_at) };
+                at - own.foot * flat.foot.inverse() * lies.foot * pivot
+            };
+            exact.iter().any(close) && !exact.contains(&frame) && own.hip.distance(ankle) > leg * REACHES
+        };
+        while first < last && short(first) && other(first) {
+            first += 1;
+        }
+        while last > first && short(last) && other(last) && other(last - 1) {
+            last -= 1;
+        }
+        (flat_from, flat_to) = (flat_from.max(first.min(flat_to)), flat_to.min(last.max(flat_from)));
         for frame in first..=last {
             let own = posed[frame];
             let rolled = |flat: &Posed, (part, pivot, at): (Part, DVec3, DVec3), turns: usize, kept: Option<usize>| {
@@ -127,7 +159,7 @@ pub(super) fn hold(
                     Some(kept) => smooth3(frame.abs_diff(turns) as f64 / kept.abs_diff(turns) as f64),
                     None => 0.0,
                 };
-                Posed { ankle: at - foot * pivot, foot, toe: lies.toe.slerp(toe, as_clip) }
+                Posed { ankle: at - foot * pivot, foot, toe: lies.toe.slerp(toe, as_clip), ..own }
             };
             held[frame] = Some(if frame < flat_from {
                 let kept = kept.filter(|kept| *kept < flat_from);
@@ -143,8 +175,8 @@ pub(super) fn hold(
         falls.push(Fall {
             side,
             down: time(first),
-            flat: time(flat_from),
-            ball: time(flat_to),
+            flat: time(flat_from.clamp(first, last)),
+            ball: time(flat_to.clamp(first, last)),
             up: time(last),
             parts,
             plant: Plant::level(DVec3::new(lies.ankle.x, 0.0, lies.ankle.z), yaw),
@@ -208,6 +240,7 @@ pub(super) fn hold(
                 None => leaves * gone - comes * left,
             };
             let mut swings = Posed {
+                hip: own.hip,
                 ankle: own.ankle + from.0.lerp(to.0, share) + carried,
                 foot: (from.1.slerp(to.1, share) * own.foot).normalize(),
                 toe: (from.2.slerp(to.2, share) * own.toe).normalize(),

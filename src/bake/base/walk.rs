@@ -388,6 +388,11 @@ impl Walked {
         self.back.map_or(1.0, |back| 1.0 - smooth3((time - back.over[0]) / (back.over[1] - back.over[0])))
     }
 
+    /// Is that the clip's own frame again, `end` s being the bake's last? An undisturbed walk never left it.
+    pub fn ends_in_clip(&self, end: f64) -> bool {
+        self.back.is_some() || self.from >= end - 1e-6
+    }
+
     /// How much of the motion is the stepper's own, 0..1.
     pub fn own(&self, time: f64) -> f64 {
         smooth3((time - self.from) / 0.3) * self.left_over(time)
