@@ -19,7 +19,14 @@ pub(super) enum Based {
 impl FootCurves {
     /// The same, standing at first and at last as in a base clip; with each foot, whether it does so on its ball.
     pub fn over(self, base: [(FootOffset, bool); 2]) -> FootCurves {
-        FootCurves { base: Based::Stand(Box::new(base)), ..self }
+        let mut curves = self;
+        for (path, (offset, _)) in curves.feet.iter_mut().zip(&base) {
+            // One that does not stand flat there cannot roll over a flat foot's heel into it.
+            if let Some(last) = path.swings.last_mut().filter(|last| last.strike < 0.0 && !offset.is_flat()) {
+                last.strike = 0.0;
+            }
+        }
+        FootCurves { base: Based::Stand(Box::new(base)), ..curves }
     }
 
     /// The same, walking at first and at last as in a base clip.

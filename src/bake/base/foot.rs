@@ -8,6 +8,9 @@ use crate::whole_body::FootTarget;
 use crate::whole_body::stand::{flat_foot, foot_yaw};
 use glam::{DQuat, DVec3};
 
+/// rad, a foot that turns less out of the ground is flat on it.
+const FLAT: f64 = 0.02;
+
 /// m, at rest: from the ankle to what the foot rolls over, its toe joint, or the tip where there is none.
 pub(super) fn to_ball(body: &Body, side: Side) -> DVec3 {
     let shape = &body.feet[side as usize];
@@ -71,6 +74,11 @@ impl FootOffset {
         let toe = (target.toe * some(self.toe)).normalize();
         let ball = target.ankle + target.foot * self.to_ball + DQuat::from_rotation_y(target.yaw) * self.ball * share;
         FootTarget { ankle: ball - foot * self.to_ball, foot, toe, ..*target }
+    }
+
+    /// Does it turn out of the flat foot by no more than a soft sole gives?
+    pub fn is_flat(&self) -> bool {
+        self.foot.angle_between(DQuat::IDENTITY) < FLAT
     }
 
     /// rad, how far the heel is up.
