@@ -7,8 +7,8 @@ use crate::audit_faults::{self as faults, Way};
 use crate::audit_forces::{measured, median_size};
 use crate::audit_grid::{Kind, ask, clean, clips, faults as rows, slow_clips, walks};
 use crate::common::builtin;
+use crate::data;
 use crate::rig_variants::nothing;
-use crate::rigs::data;
 use std::sync::OnceLock;
 use surefoot::audit::{AuditOptions, audit};
 use surefoot::bake::{BakeOptions, Baked, RootMotion, bake};
@@ -177,7 +177,7 @@ fn shoves_that_the_clip_tells_of_are_clean_and_without_that_word_they_are_told_w
 
 #[test]
 fn units_of_a_file_change_nothing_but_the_places_words() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     let text = std::fs::read_to_string(data.join("audit/walk_active_005.bvh")).expect("a clip");
     let read = |text: &str| {
         let file = read("clip.bvh", text.as_bytes(), &nothing, None).expect("a BVH");
@@ -229,7 +229,7 @@ fn scaled(text: &str, factor: f64) -> String {
 
 #[test]
 fn held_out_captures_keep_what_is_reached() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     let (_, held) = clips(&data);
     let of = |kind: Kind| clean(&held, kind, true);
     let walking = [of(Kind::Walk), of(Kind::Turn)];
@@ -260,7 +260,7 @@ fn held_out_captures_keep_what_is_reached() {
 
 #[test]
 fn tuned_clips_keep_what_is_reached() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     let (tuned, _) = clips(&data);
     // Keyed clips: what cannot be judged is one word of the whole clip, and little of that.
     let keyed = clean(&tuned, Kind::Other, false);
@@ -279,7 +279,7 @@ fn tuned_clips_keep_what_is_reached() {
 
 #[test]
 fn a_walk_over_force_plates_touches_down_and_accelerates_as_the_plates_say() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     let found = measured(&data).expect("the measured walk");
     assert_eq!((found.touch_downs.len(), found.lift_offs.len()), (2, 2));
     assert!(median_size(&found.touch_downs) <= 0.02, "{found:?}");

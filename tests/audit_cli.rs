@@ -1,7 +1,7 @@
 //! `surefoot audit` as a pipeline and a person meet it: exit codes, the fixed JSON, order, waivers, files. Pages stay in target/pages for
 //! `tests/tools/report_check.mjs`.
 
-use crate::rigs::data;
+use crate::data;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -391,7 +391,7 @@ fn a_hostile_clip_name_cannot_leave_the_pages_data() {
 
 #[test]
 fn pages_of_real_clips_are_small_and_complete() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     let shell = Shell::new();
     for (name, file) in [
         ("walk", "audit/walk_normal_001.bvh"),

@@ -3,7 +3,7 @@
 #![expect(clippy::print_stdout, reason = "the tables are what a person runs these for")]
 
 use crate::common::builtin;
-use std::path::PathBuf;
+use crate::data;
 use std::sync::Arc;
 use surefoot::bake::base::prepare;
 use surefoot::bake::{BakeOptions, Baked, Base, bake};
@@ -23,12 +23,6 @@ const STANDS: [(&str, &str); 7] = [
     ("gdquest_mannequiny.glb", "idle"),
     ("gdquest_mannequiny.glb", "fight_idle"),
 ];
-
-fn data() -> Option<PathBuf> {
-    let folder = std::env::var_os("SUREFOOT_DATA").map(PathBuf::from);
-    let folder = folder.unwrap_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"));
-    folder.is_dir().then_some(folder)
-}
 
 /// A rig and one of its own clips, on it.
 fn rig_and_clip(file: &std::path::Path, clip: &str, scenario: &Scenario) -> (Rig, Result<Base, String>) {
@@ -64,10 +58,7 @@ fn baked(rig: &Rig, scenario: &Scenario, base: Base) -> Baked {
 
 #[test]
 fn a_reaction_starts_in_the_base_clip_and_comes_back_to_it() {
-    let Some(data) = data() else {
-        println!("skipped: no third-party rigs");
-        return;
-    };
+    let Some(data) = data::folder() else { return };
     println!(
         "{:<44} {:>5} {:>9} {:>22} {:>22} {:>6} {:>6}",
         "", "Ns", "outcome", "first deg mm", "last deg mm", "ZMP", "slip"
@@ -93,10 +84,7 @@ fn a_reaction_starts_in_the_base_clip_and_comes_back_to_it() {
 
 #[test]
 fn what_neither_stands_nor_walks_is_no_base() {
-    let Some(data) = data() else {
-        println!("skipped: no third-party rigs");
-        return;
-    };
+    let Some(data) = data::folder() else { return };
     let all = [
         ("m2m_human_base_animations.glb", "Sitting_Idle_Loop", "out of its feet"),
         ("m2m_human_base_animations.glb", "Sprint_Loop", "A base is"),
@@ -158,10 +146,7 @@ const WALKS: [(&str, &str, f64); 7] = [
 
 #[test]
 fn a_walk_is_pushed_and_walks_on_as_before() {
-    let Some(data) = data() else {
-        println!("skipped: no third-party rigs");
-        return;
-    };
+    let Some(data) = data::folder() else { return };
     for (file, clip, inside) in WALKS {
         for (heading, impulse) in [(0.0, 0.0), (-90.0, 20.0), (180.0, 40.0)] {
             let mut scenario = shoved(clip, heading, impulse);
@@ -187,10 +172,7 @@ fn a_walk_is_pushed_and_walks_on_as_before() {
 
 #[test]
 fn a_base_ends_in_its_clip_wherever_in_a_frame_the_bake_ends() {
-    let Some(data) = data() else {
-        println!("skipped: no third-party rigs");
-        return;
-    };
+    let Some(data) = data::folder() else { return };
     for duration in [5.31, 6.487] {
         for impulse in [0.0, 20.0] {
             let mut scenario = shoved("Walk_Loop", 180.0, impulse);
@@ -208,10 +190,7 @@ fn a_base_ends_in_its_clip_wherever_in_a_frame_the_bake_ends() {
 
 #[test]
 fn a_stand_that_shifts_its_feet_is_played_from_where_they_stay() {
-    let Some(data) = data() else {
-        println!("skipped: no third-party rigs");
-        return;
-    };
+    let Some(data) = data::folder() else { return };
     let scenario = shoved("1H_Ranged_Aiming", -90.0, 15.0);
     let (rig, base) = rig_and_clip(&data.join("rigs/kaykit_Knight.glb"), "1H_Ranged_Aiming", &scenario);
     let base = base.expect("it is a stand");
@@ -224,10 +203,7 @@ fn a_stand_that_shifts_its_feet_is_played_from_where_they_stay() {
 
 #[test]
 fn a_captured_walk_of_another_skeleton_goes_on_is_pushed_and_comes_back() {
-    let Some(data) = data() else {
-        println!("skipped: no third-party clips");
-        return;
-    };
+    let Some(data) = data::folder() else { return };
     // The last one begins with a T-pose and in the middle of a stance.
     for (clip, rig) in [
         ("cmu_02_01_walk.bvh", None),

@@ -3,6 +3,7 @@
 
 #![expect(clippy::print_stdout, reason = "the table, and what was skipped")]
 
+use crate::data;
 use crate::reaction::{Seen, delay, leaning, peak, settles};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -26,11 +27,6 @@ const PAIRS: [(&str, Role, f64, f64, f64); 4] = [
 
 /// s, when ours is shoved.
 const START: f64 = 1.0;
-
-fn data() -> PathBuf {
-    let beside = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    std::env::var_os("SUREFOOT_DATA").map_or_else(beside, PathBuf::from)
-}
 
 /// The shove over the rig's idle.
 fn ours(rig: &Rig, file: &Path, (at, towards, impulse, seconds): (Role, f64, f64, f64)) -> Baked {
@@ -88,11 +84,7 @@ fn feet(rig: &Rig, clip: &Clip, [start, until]: [f64; 2]) -> f64 {
 
 #[test]
 fn hand_keyed_hits_and_baked_shoves_side_by_side() {
-    let file = data().join("rigs/m2m_human_base_animations.glb");
-    if !file.is_file() {
-        println!("skipped: the rig with hand-keyed hits is not there");
-        return;
-    }
+    let Some(file) = data::file("rigs/m2m_human_base_animations.glb") else { return };
     let rig = load(&file).expect("it loads");
     let names = clips::clip_names(&rig);
     println!(

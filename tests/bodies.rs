@@ -2,18 +2,13 @@
 
 #![expect(clippy::print_stdout, reason = "the table, and what was skipped")]
 
+use crate::data;
 use glam::DVec3;
 use std::path::PathBuf;
 use surefoot::model::{Body, Side};
 use surefoot::rig::mannequin::{BUILTIN, MannequinOptions, mannequin};
 use surefoot::rig::{Rig, load, load_bytes};
 use surefoot::whole_body::{Anatomy, Solver, stand};
-
-fn data() -> Option<PathBuf> {
-    let folder = std::env::var_os("SUREFOOT_DATA")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
-    folder.is_dir().then_some(folder)
-}
 
 fn built_in(bytes: &[u8]) -> Rig {
     let none = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
@@ -90,10 +85,7 @@ fn check(name: &str, rig: &Rig) {
 
 #[test]
 fn real_rigs_have_plausible_bodies() {
-    let Some(data) = data() else {
-        println!("skipped: no data folder");
-        return;
-    };
+    let Some(data) = data::folder() else { return };
     let mut files: Vec<PathBuf> = std::fs::read_dir(data.join("rigs"))
         .expect("the folder of rigs")
         .filter_map(|entry| entry.ok().map(|entry| entry.path()))
@@ -142,10 +134,7 @@ const NAMED_BY_HAND: [(&str, &str); 2] = [
 
 #[test]
 fn rigs_without_feet_or_in_mid_stride_stand_on_their_soles() {
-    let Some(data) = data() else {
-        println!("skipped: no data folder");
-        return;
-    };
+    let Some(data) = data::folder() else { return };
     for (name, bones) in NAMED_BY_HAND {
         let bytes = std::fs::read(data.join("rigs").join(name)).expect("the rig's file");
         let none = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
@@ -183,11 +172,7 @@ fn other_heights_and_legs_come_out_as_asked() {
 
 /// The rig of a file, where the data folder is there.
 fn real(name: &str) -> Option<Rig> {
-    let Some(data) = data() else {
-        println!("skipped: no data folder");
-        return None;
-    };
-    Some(load(&data.join("rigs").join(name)).unwrap_or_else(|error| panic!("{name}: {error}")))
+    Some(load(&data::folder()?.join("rigs").join(name)).unwrap_or_else(|error| panic!("{name}: {error}")))
 }
 
 #[test]

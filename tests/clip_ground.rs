@@ -5,6 +5,7 @@
 
 #![expect(clippy::print_stdout, reason = "tests tell what they measured")]
 
+use crate::data;
 use crate::export::{baked_path, json_of};
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
@@ -22,11 +23,8 @@ use surefoot::rig::{Rig, load_bytes};
 
 /// A rig in centimetres that another program made; `None` without the data.
 fn foreign() -> Option<Rig> {
-    let folder = std::env::var_os("SUREFOOT_DATA").map_or_else(
-        || std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"),
-        std::path::PathBuf::from,
-    );
-    surefoot::rig::load(&folder.join("rigs/kaykit_Knight.glb")).ok()
+    let file = data::more()?.join("rigs/kaykit_Knight.glb");
+    Some(surefoot::rig::load(&file).expect("the rig loads"))
 }
 
 fn scenario(title: &str, duration: f64, rest: &str) -> Scenario {
@@ -174,10 +172,7 @@ fn props_stand_after_the_sources_own_nodes_and_turn_as_the_ground_does() {
         "[ground]\nkind = \"platform\"\npitch = [[0.5, 0.0], [1.5, 10.0]]\nroll = [[1.0, 0.0], [2.0, 5.0]]\n";
     let tilts = scenario("tilts", 2.5, platform);
     let mut rigs = vec![builtin()];
-    match foreign() {
-        Some(rig) => rigs.push(rig),
-        None => println!("skipped: no third-party rig here"),
-    }
+    rigs.extend(foreign());
     for rig in &rigs {
         let baked = baked(rig, &tilts);
         let clips = [(baked.clip.clone(), baked.report.clone())];

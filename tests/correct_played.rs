@@ -6,8 +6,8 @@
 use crate::audit_faults::{self, Planted, Way};
 use crate::common::builtin;
 use crate::correct::{file_with, read};
+use crate::data;
 use crate::export::baked_path;
-use crate::rigs::data;
 use glam::DAffine3;
 use serde_json::{Value, json};
 use surefoot::bake::{BakeOptions, bake};
@@ -33,7 +33,7 @@ const FAULTS: [(&str, Plant); 4] = [
 #[test]
 fn corrected_curves_are_left_for_other_programs_to_play() {
     let mut rigs = vec![("builtin".to_owned(), None, builtin())];
-    if let Some(data) = data() {
+    if let Some(data) = data::more() {
         let file = "m2m_human_male.glb";
         rigs.push(("m2m".to_owned(), Some(file), load(&data.join("rigs").join(file)).expect("a rig")));
     }

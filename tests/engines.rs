@@ -4,6 +4,7 @@
 
 #![expect(clippy::print_stdout, reason = "tests tell what they lack")]
 
+use crate::data;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -137,16 +138,10 @@ fn skins(file: &Path) -> Vec<(Vec<u64>, Option<u64>)> {
 #[test]
 fn a_new_root_is_a_bone_where_the_engine_wants_one() {
     let folder = tempfile::tempdir().expect("a folder");
-    let data = std::env::var_os("SUREFOOT_DATA")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
+    let Some(data) = data::folder() else { return };
     // One has no root, and nodes between the scene and its joints; one has a root that is no joint; one is right as it is.
     for (source, joined) in [("khronos_CesiumMan.gltf", 3), ("gdquest_mannequiny.glb", 1), ("m2m_human_male.glb", 0)] {
-        let rig = data.join("rigs").join(source);
-        if !rig.is_file() {
-            println!("skipped: no {}", rig.display());
-            return;
-        }
-        root_as_bone(folder.path(), &rig, source, joined);
+        root_as_bone(folder.path(), &data.join("rigs").join(source), source, joined);
     }
 }
 

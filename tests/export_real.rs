@@ -2,6 +2,7 @@
 
 #![expect(clippy::print_stdout, reason = "tests tell what they measured")]
 
+use crate::data;
 use crate::export::{MODES, baked_path, dump_pose, json_of, keeps_everything, reads_back, report};
 use crate::synthetic::{DURATION, held};
 use glam::{DQuat, DVec3};
@@ -15,13 +16,8 @@ use surefoot::rig::Rig;
 
 /// The rigs of the data folder that load, by file name.
 fn real_rigs() -> Vec<(String, Rig)> {
-    let folder = std::env::var_os("SUREFOOT_DATA")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from)
-        .join("rigs");
-    let Ok(entries) = std::fs::read_dir(&folder) else {
-        println!("skipped: no {}", folder.display());
-        return Vec::new();
-    };
+    let Some(data) = data::more() else { return Vec::new() };
+    let entries = std::fs::read_dir(data.join("rigs")).expect("a folder");
     let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
     paths.sort();
     let name = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned());
@@ -182,8 +178,7 @@ fn the_khronos_validator_finds_nothing_that_the_source_did_not_have() {
         write(&rig, &name, &name);
     }
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
-    let sources =
-        std::env::var_os("SUREFOOT_DATA").map_or_else(|| root.join("../shared/data"), PathBuf::from).join("rigs");
+    let sources = data::place().join("rigs");
     let mut node = std::process::Command::new("node");
     let output = node.arg(root.join("tests/tools/validate.mjs")).arg(folder.path()).arg(sources).output();
     let output = output.expect("node runs");

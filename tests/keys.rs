@@ -4,6 +4,7 @@
 
 #![expect(clippy::print_stdout, reason = "tests tell what they measured")]
 
+use crate::common::builtin;
 use crate::limits_grid::{Measured, grid, rigs, shove};
 use crate::synthetic::held;
 use surefoot::bake::{BakeOptions, Baked, bake};
@@ -120,7 +121,7 @@ fn a_reader_that_drops_tangents_and_smooths_keeps_the_feet_too() {
 #[test]
 fn feet_slip_where_the_hips_lose_three_of_four_keys() {
     // The planted extreme: what the tests above measure can fail.
-    let (_, rig) = rigs().remove(0);
+    let rig = builtin();
     let baked = bake(&rig, &shove(&rig.body, 90.0, 60.0), &BakeOptions::default()).expect("it bakes");
     let hips = Target::Node(rig.hips_node());
     let mut thinned = baked.clip.clone();
@@ -138,7 +139,7 @@ fn feet_slip_where_the_hips_lose_three_of_four_keys() {
 
 #[test]
 fn what_no_mass_and_no_foot_hangs_from_is_joined_by_straight_lines_and_what_carries_is_not() {
-    let (_, rig) = rigs().remove(0);
+    let rig = builtin();
     let baked = bake(&rig, &shove(&rig.body, 90.0, 60.0), &BakeOptions::default()).expect("it bakes");
     let of = |node: usize| {
         let turns = |channel: &&Channel| {

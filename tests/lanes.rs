@@ -2,6 +2,7 @@
 
 #![expect(clippy::print_stdout, reason = "tests tell what they measured")]
 
+use crate::common::builtin;
 use crate::export::baked_path;
 use crate::limits_grid::{THIRD_PARTY, rigs, shove};
 use glam::{DVec2, DVec3};
@@ -75,7 +76,7 @@ fn standing_knee(baked: &Baked) -> f64 {
 
 #[test]
 fn a_box_of_ten_to_forty_kilograms_is_kept_up_from_sixteen_directions() {
-    let (_, rig) = rigs().swap_remove(0);
+    let rig = builtin();
     let unloaded = standing_knee(&baked(&rig, &Scenario { carry: Vec::new(), ..carrying(10.0, 0.0) }));
     for kg in [10.0, 25.0, 40.0] {
         let directions: Vec<f64> = (0..16).map(|index| f64::from(index) * std::f64::consts::TAU / 16.0).collect();
@@ -95,7 +96,7 @@ fn a_box_of_ten_to_forty_kilograms_is_kept_up_from_sixteen_directions() {
 
 #[test]
 fn the_balance_is_that_of_body_and_box_together() {
-    let (_, rig) = rigs().swap_remove(0);
+    let rig = builtin();
     let baked = baked(&rig, &carrying(40.0, 0.0));
     let findings = baked.findings.as_ref().expect("it can be measured");
     let with = findings.zmp.outside_max_cm;
@@ -163,7 +164,7 @@ fn the_hands_stay_at_the_box_through_a_shove() {
 
 #[test]
 fn a_walk_goes_on_at_its_speed_with_a_box_that_grows_heavy() {
-    let (_, rig) = rigs().swap_remove(0);
+    let rig = builtin();
     let walk = Walk { start: 0.5, duration: Some(6.0), speed: 1.0, heading: 0.0, facing: None };
     let carry = Carry { mass: vec![[0.0, 5.0], [6.0, 25.0]], ..box_of(0.0) };
     let title = "walk with a box".to_owned();
@@ -180,7 +181,7 @@ fn a_walk_goes_on_at_its_speed_with_a_box_that_grows_heavy() {
 
 #[test]
 fn what_is_carried_is_told_as_its_mean_weight_in_either_hand() {
-    let rig = &few()[0].1;
+    let rig = &builtin();
     let carry = Carry { start: 0.0, mass: vec![[0.0, 2.0], [2.0, 2.0], [4.0, 12.0]], ..box_of(2.0) };
     let scenario = Scenario { title: "told".into(), duration: 4.0, carry: vec![carry], ..Scenario::demo() };
     let baked = baked(rig, &scenario);
@@ -198,7 +199,7 @@ fn what_is_carried_is_told_as_its_mean_weight_in_either_hand() {
 
 #[test]
 fn a_box_is_taken_up_and_put_down_without_a_jolt() {
-    let (_, rig) = rigs().swap_remove(0);
+    let rig = builtin();
     let carry = Carry { start: 1.5, end: Some(4.5), mass: vec![[1.5, 5.0], [3.5, 30.0]], ..box_of(0.0) };
     let scenario =
         Scenario { title: "pick up".into(), duration: 6.0, push: Vec::new(), carry: vec![carry], ..Scenario::demo() };
@@ -242,7 +243,7 @@ fn hits(baked: &Baked) -> Vec<&Event> {
 
 #[test]
 fn balls_push_the_way_they_fly_and_are_told() {
-    let (_, rig) = rigs().swap_remove(0);
+    let rig = builtin();
     let ways = [
         (Direction::Front, DVec2::new(0.0, -1.0)),
         (Direction::Back, DVec2::new(0.0, 1.0)),
@@ -273,7 +274,7 @@ fn balls_push_the_way_they_fly_and_are_told() {
 
 #[test]
 fn from_the_front_is_the_characters_own_front() {
-    let (_, rig) = rigs().swap_remove(0);
+    let rig = builtin();
     let facing = std::f64::consts::FRAC_PI_2;
     let mut scenario = thrown(Throw { start: 4.0, count: 1, ..balls(Direction::Front) }, 3);
     scenario.duration = 7.0;
@@ -286,7 +287,7 @@ fn from_the_front_is_the_characters_own_front() {
 
 #[test]
 fn the_seed_draws_the_balls_and_some_miss_what_is_too_far() {
-    let (_, rig) = rigs().swap_remove(0);
+    let rig = builtin();
     let of = |seed: u64, spread: f64| baked(&rig, &thrown(Throw { spread, count: 6, ..balls(Direction::Front) }, seed));
     let (one, again, other) = (of(7, 0.1), of(7, 0.1), of(8, 0.1));
     assert_eq!(one.report, again.report);
@@ -310,7 +311,7 @@ fn the_seed_draws_the_balls_and_some_miss_what_is_too_far() {
 
 #[test]
 fn a_carried_box_is_hit_before_the_belly_behind_it() {
-    let (_, rig) = rigs().swap_remove(0);
+    let rig = builtin();
     let throw = Throw { spread: 0.0, count: 1, speed: 12.0, at: Role::Spine, ..balls(Direction::Front) };
     let bare = baked(&rig, &thrown(throw, 7));
     let mut scenario = thrown(throw, 7);
@@ -345,7 +346,7 @@ fn a_ball_is_where_the_body_is_when_it_hits() {
 
 #[test]
 fn a_longer_recovery_comes_to_its_comfortable_stand_later() {
-    let (_, rig) = rigs().swap_remove(0);
+    let rig = builtin();
     let ends: Vec<f64> = [0.0, 0.5, 1.0]
         .into_iter()
         .map(|dial| {
@@ -363,7 +364,7 @@ fn a_longer_recovery_comes_to_its_comfortable_stand_later() {
 
 #[test]
 fn scaled_legs_and_a_box_walk_the_root_motions() {
-    let (_, rig) = rigs().swap_remove(0);
+    let rig = builtin();
     for root in [RootMotion::Root, RootMotion::Hips, RootMotion::InPlace] {
         let mut scenario = carrying(20.0, 1.0);
         scenario.character.leg_scale = 1.2;

@@ -2,6 +2,7 @@
 
 #![expect(clippy::print_stdout, reason = "tests tell what they measured")]
 
+use crate::common::builtin;
 use crate::export::{json_of, reads_back};
 use crate::lanes::{baked, feet_hold, few, written};
 use crate::limits_grid::{EIGHT, Measured, measured, rigs, shove};
@@ -132,7 +133,7 @@ fn characters_on_other_legs_recover_and_keep_their_feet() {
 
 #[test]
 fn legs_of_any_length_recover_as_often_as_the_rigs_own() {
-    let (_, rig) = rigs().swap_remove(0);
+    let rig = builtin();
     let share = |scale: f64| {
         let cells: Vec<(f64, f64)> =
             EIGHT.iter().flat_map(|way| [60.0, 100.0].map(|impulse| (*way, impulse))).collect();
@@ -168,7 +169,7 @@ fn legs_of_any_length_recover_as_often_as_the_rigs_own() {
 
 #[test]
 fn a_clip_on_its_own_legs_has_no_scale() {
-    let (_, rig) = rigs().swap_remove(0);
+    let rig = builtin();
     let baked = baked(&rig, &shove(&rig.body, 0.0, 60.0));
     assert!(baked.clip.channels.iter().all(|channel| channel.values.path() != "scale"));
     reads_back(&rig, &baked.clip, &glb_with_props(&rig, &[(baked.clip.clone(), baked.report)], &[]).expect("ok").bytes);

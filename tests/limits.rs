@@ -3,6 +3,7 @@
 
 #![expect(clippy::print_stdout, reason = "the table, and what was skipped")]
 
+use crate::common::builtin;
 use crate::limits_grid::{EIGHT, LIMITS, Measured, Sum, faults, grid, head, rigs, row, shove};
 use glam::DVec3;
 use surefoot::bake::{BakeOptions, Baked, RootMotion, bake};
@@ -143,7 +144,7 @@ fn a_mirrored_push_gives_the_mirrored_clip() {
 
 #[test]
 fn an_in_place_clip_is_measured_on_keys_and_not_on_the_poses_behind_them() {
-    let (_, rig) = rigs().remove(0);
+    let rig = builtin();
     let scenario = shove(&rig.body, 0.0, 60.0);
     let told = |root| {
         let options = BakeOptions { root, ..BakeOptions::default() };
@@ -156,7 +157,7 @@ fn an_in_place_clip_is_measured_on_keys_and_not_on_the_poses_behind_them() {
 
 #[test]
 fn two_seeds_make_two_clips() {
-    let rig = &rigs()[0].1;
+    let rig = &builtin();
     let scenario = shove(&rig.body, 90.0, 60.0);
     let seeded = |seed: u64| bake(rig, &scenario, &BakeOptions { seed: Some(seed), ..BakeOptions::default() });
     let (one, other) = (seeded(1).expect("it bakes"), seeded(2).expect("it bakes"));

@@ -3,9 +3,9 @@
 //! Impulses are for 89.5 kg and a 0.83 m leg and scale with each body (by m and the root of the leg). A push acts on the
 //! chest for 0.2 s from 0.6 s; the clip lasts 4 s. `tests/limits.rs` asserts on it, `tests/benches/limits.rs` prints all.
 
+use crate::data;
 use rayon::prelude::*;
 use std::fmt::Write as _;
-use std::path::PathBuf;
 use surefoot::bake::{BakeOptions, Baked, bake};
 use surefoot::export::glb;
 use surefoot::measure::percentile;
@@ -142,16 +142,12 @@ impl Measured {
 pub fn rigs() -> Vec<(String, Rig)> {
     let none = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
     let builtin = load_bytes("builtin", BUILTIN, &none, None).expect("the built-in rig loads");
-    let folder = std::env::var_os("SUREFOOT_DATA")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from)
-        .join("rigs");
     let mut rigs = vec![("builtin".to_owned(), builtin)];
+    let Some(data) = data::more() else { return rigs };
     for name in THIRD_PARTY {
-        let path = folder.join(name);
-        if path.is_file() {
-            let rig = load(&path).unwrap_or_else(|error| panic!("{name}: {error}"));
-            rigs.push((name.split('.').next().unwrap_or(name).to_owned(), rig));
-        }
+        let path = data.join("rigs").join(name);
+        let rig = load(&path).unwrap_or_else(|error| panic!("{name}: {error}"));
+        rigs.push((name.split('.').next().unwrap_or(name).to_owned(), rig));
     }
     rigs
 }

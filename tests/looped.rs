@@ -2,10 +2,11 @@
 
 #![expect(clippy::print_stdout, reason = "tests tell what they measured")]
 
+use crate::common::builtin;
+use crate::data;
 use crate::export::{baked_path, json_of};
 use crate::limits_grid::rigs;
 use glam::DQuat;
-use std::path::PathBuf;
 use std::sync::Arc;
 use surefoot::bake::base::prepare;
 use surefoot::bake::{BakeError, BakeOptions, Baked, Performance, RootMotion, bake};
@@ -170,7 +171,7 @@ fn a_walk_loops_on_every_rig() {
 #[test]
 fn a_cycle_that_is_cut_where_it_is_not_alike_would_be_seen() {
     // The planted extreme of the seam's measures: the same walk cut a fifth too early.
-    let (_, rig) = &rigs()[0];
+    let rig = &builtin();
     let baked = bake(rig, &walk(rig, WALKS[1]), &looped(RootMotion::Root)).expect("it loops");
     let mut cut = baked.clip.clone();
     cut.duration *= 0.8;
@@ -216,7 +217,7 @@ fn the_travel_of_a_loop_goes_at_one_speed_where_it_is_asked_for() {
 
 #[test]
 fn a_box_is_carried_without_an_end() {
-    let (_, rig) = &rigs()[0];
+    let rig = &builtin();
     let points: Vec<String> =
         (0..=10).map(|second| format!("[{second}.0, {}]", if second % 2 == 0 { "4.0" } else { "14.0" })).collect();
     let text = format!(
@@ -247,7 +248,7 @@ fn a_box_is_carried_without_an_end() {
 
 #[test]
 fn what_has_no_cycle_says_what_would_give_one() {
-    let (_, rig) = &rigs()[0];
+    let rig = &builtin();
     let why = |text: &str| match bake(rig, &scenario(text), &looped(RootMotion::Root)) {
         Err(BakeError::NoCycle { why }) => why,
         Err(other) => panic!("{other}"),
@@ -272,7 +273,7 @@ fn what_has_no_cycle_says_what_would_give_one() {
 
 #[test]
 fn a_walk_that_is_pushed_is_looped_after_it_has_recovered() {
-    let (_, rig) = &rigs()[0];
+    let rig = &builtin();
     let text = "title = \"pushed\"\nduration = 10.0\n[[walk]]\nstart = 0.3\nspeed = 1.0\n[[push]]\nstart = 2.0\nduration = 0.2\nforce = 150.0\ntoward = \"left\"\nat = \"chest\"\n";
     let baked = bake(rig, &scenario(text), &looped(RootMotion::Root)).expect("it loops");
     check("pushed", rig, &baked);
@@ -289,7 +290,7 @@ fn a_walk_that_is_pushed_is_looped_after_it_has_recovered() {
 
 #[test]
 fn a_slope_and_a_turned_walk_loop_along_their_own_way() {
-    let (_, rig) = &rigs()[0];
+    let rig = &builtin();
     let slope = "title = \"slope\"\nduration = 8.0\n[ground]\nkind = \"slope\"\nangle = 8.0\n[[walk]]\nstart = 0.3\nspeed = 1.0\n";
     let baked = bake(rig, &scenario(slope), &looped(RootMotion::Root)).expect("it loops");
     check("slope", rig, &baked);
@@ -304,13 +305,7 @@ fn a_slope_and_a_turned_walk_loop_along_their_own_way() {
 
 #[test]
 fn a_base_clips_own_cycle_is_the_loop() {
-    let folder = std::env::var_os("SUREFOOT_DATA").map(PathBuf::from);
-    let folder = folder.unwrap_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"));
-    if !folder.is_dir() {
-        println!("skipped: no third-party rigs");
-        return;
-    }
-    let file = folder.join("rigs/m2m_human_base_animations.glb");
+    let Some(file) = data::file("rigs/m2m_human_base_animations.glb") else { return };
     let rig = load(&file).expect("the rig loads");
     let clips = mocap::load(&file).expect("its clips load");
     for (clip, seconds) in [("Walk_Loop", 10.0), ("Idle_Loop", 12.0)] {
@@ -333,7 +328,7 @@ fn a_base_clips_own_cycle_is_the_loop() {
 
 #[test]
 fn the_same_loop_comes_out_twice() {
-    let (_, rig) = &rigs()[0];
+    let rig = &builtin();
     let once = || bake(rig, &walk(rig, WALKS[1]), &looped(RootMotion::Root)).expect("it loops");
     let (one, other) = (once(), once());
     assert_eq!(one.clip, other.clip);

@@ -3,6 +3,7 @@
 //! The walk's nodes become a body with de Leva's masses, as any rig's would; what it needs of the ground is held against
 //! what the plates measured. Skipped where the data are not beside the package.
 
+use crate::data;
 use glam::{DQuat, DVec2, DVec3, dvec3};
 use std::collections::BTreeMap;
 use surefoot::measure::{self, HeldContact, Motion, Track, dynamics, support, zmp};
@@ -18,15 +19,6 @@ struct Walk {
     body: Body,
     poses: Vec<BodyPose>,
     hz: f64,
-}
-
-/// The lab data, where they are.
-fn data_folder() -> Option<std::path::PathBuf> {
-    let folder = std::env::var_os("SUREFOOT_DATA").map_or_else(
-        || std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"),
-        std::path::PathBuf::from,
-    );
-    folder.is_dir().then_some(folder)
 }
 
 /// A row of the force file: force and centre of pressure of left and right, whether each carries, and the model's own
@@ -186,14 +178,12 @@ fn contacts(plates: &[Plate], hz: f64) -> Vec<HeldContact> {
     out
 }
 
-/// The walk and its plates; `None`, with a word, where the data are not there.
+/// The walk and its plates, where the folder of third-party data is there.
+#[track_caller]
 fn load() -> Option<(Walk, Vec<Plate>)> {
-    let folder = data_folder();
-    let read = |name: &str| folder.as_ref().and_then(|folder| std::fs::read(folder.join("forces").join(name)).ok());
-    let (Some(bytes), Some(text)) = (read("rajagopal_walk.glb"), read("rajagopal_walk_forces.csv")) else {
-        eprintln!("skipped: the measured walk is not beside the package");
-        return None;
-    };
+    let folder = data::folder()?.join("forces");
+    let read = |name: &str| std::fs::read(folder.join(name)).expect("the folder of third-party data is whole");
+    let (bytes, text) = (read("rajagopal_walk.glb"), read("rajagopal_walk_forces.csv"));
     let (walk, plates) = (walk(&bytes), plates(&String::from_utf8_lossy(&text)));
     assert_eq!(walk.poses.len(), plates.len());
     Some((walk, plates))

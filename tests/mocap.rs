@@ -1,7 +1,7 @@
 //! Clips of every kind, as captured and keyed by others: sizes, ways, feet, writing back.
 
+use super::data;
 use super::rig_variants::nothing;
-use super::rigs::data;
 use glam::{DQuat, DVec3};
 use std::path::{Path, PathBuf};
 use surefoot::mocap::bvh::{Bvh, decode, encode};
@@ -63,7 +63,7 @@ pub fn joint(capture: &Capture, role: Role) -> usize {
 
 #[test]
 fn every_clip_of_the_collection_gives_a_body_of_a_persons_size_that_stands_on_its_feet() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     let mut odd = Vec::new();
     let count = every_clip(&data, |file, clip, capture| {
         let place = format!("{file}: {clip}");
@@ -100,7 +100,7 @@ fn every_clip_of_the_collection_gives_a_body_of_a_persons_size_that_stands_on_it
 
 #[test]
 fn units_and_axes_of_real_files_are_found() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     let cases = [
         ("clips/cmu_12_01_walk.bvh", 0.056444, "+Y", 120.0),
         ("clips/cmu_01_01_hops.bvh", 0.056444, "+Y", 120.0),
@@ -131,7 +131,7 @@ fn first(path: &Path, options: &Options) -> Capture {
 
 #[test]
 fn who_walks_goes_where_the_pelvis_faces() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     let mut walks: Vec<PathBuf> = files(&data.join("audit"), &["bvh"]);
     walks.retain(|path| stem(path).starts_with("walk") || stem(path).starts_with("run"));
     for file in
@@ -159,7 +159,7 @@ fn who_walks_goes_where_the_pelvis_faces() {
 
 #[test]
 fn feet_of_walks_come_down_to_one_floor() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     let mut worst: f64 = 0.0;
     for path in files(&data.join("audit"), &["bvh"]).iter().filter(|path| stem(path).starts_with("walk_")) {
         let capture = first(path, &Options::default());
@@ -185,7 +185,7 @@ fn feet_of_walks_come_down_to_one_floor() {
 
 #[test]
 fn a_bvh_without_edits_is_written_as_it_was_and_with_edits_says_what_was_asked() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     for path in
         files(&data.join("clips"), &["bvh"]).into_iter().chain(files(&data.join("audit"), &["bvh"]).into_iter().take(4))
     {
@@ -220,7 +220,7 @@ fn a_bvh_without_edits_is_written_as_it_was_and_with_edits_says_what_was_asked()
 
 #[test]
 fn an_fbx_as_a_glb_moves_as_it_did() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     for path in files(&data.join("clips"), &["fbx"]) {
         let file = load(&path).unwrap_or_else(|error| panic!("{error}"));
         let options = Options::default();

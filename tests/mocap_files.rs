@@ -1,8 +1,8 @@
 //! Clips made by hand, broken and malicious ones: glTF's interpolations, override files, mutants, places of faults.
 
+use super::data;
 use super::mocap::joint;
 use super::rig_variants::{nothing, sticks};
-use super::rigs::data;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -127,7 +127,7 @@ fn a_scale_that_a_parent_has_counts_and_metres_stay_metres() {
 
 #[test]
 fn every_file_of_the_hostile_collection_is_refused_by_name_or_read() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     let mut folders = vec![data.join("hostile")];
     let mut count = 0;
     while let Some(folder) = folders.pop() {
@@ -156,7 +156,7 @@ fn read_all(file: &ClipFile) -> Vec<String> {
 }
 
 fn mutants(path: &str, cases: u32) {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     let bytes = std::fs::read(data.join(path)).expect("a file of the data");
     let name = path.rsplit('/').next().unwrap_or(path).to_owned();
     let length = bytes.len();
@@ -215,7 +215,7 @@ fn mutants_of_a_glb_are_refused_or_read() {
 
 #[test]
 fn what_is_broken_is_told_with_its_place() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     let told = |name: &str, bytes: &[u8]| match read(name, bytes, &nothing, None) {
         Ok(file) => read_all(&file).join("; "),
         Err(error) => error.to_string(),

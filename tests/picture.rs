@@ -1,22 +1,11 @@
 //! Contact sheets of real rigs: the body that is drawn is the rig's own, whole, upright and in its colours.
 
+use crate::data;
 use glam::DAffine3;
 use image::RgbaImage;
 use surefoot::model::ClipReport;
 use surefoot::picture::{Layout, SheetInput, choose_moments, png, sheet};
 use surefoot::rig::{Rig, load::load};
-
-/// A file of the shared test data, if it is there.
-fn data(path: &str) -> Option<std::path::PathBuf> {
-    let beside = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    let folder = std::env::var_os("SUREFOOT_DATA").map_or(beside, Into::into);
-    let found = folder.join(path);
-    if !found.exists() {
-        eprintln!("skipped: {} is not there", found.display());
-        return None;
-    }
-    Some(found)
-}
 
 /// A clip of 1 s in which nothing happens.
 fn still() -> ClipReport {
@@ -69,7 +58,7 @@ fn every_rig_fills_its_picture_from_head_to_foot() {
         "vrm_tiny_basic_armature.vrm",
     ];
     for name in rigs {
-        let Some(path) = data(&format!("rigs/{name}")) else { return };
+        let Some(path) = data::file(&format!("rigs/{name}")) else { return };
         let rig = load(&path).expect(name);
         let image = draw(&rig, 0.0);
         for view in [58..458, 459..859] {
@@ -86,7 +75,7 @@ fn every_rig_fills_its_picture_from_head_to_foot() {
 
 #[test]
 fn a_sheet_of_a_real_rig_is_the_same_bytes_every_time() {
-    let Some(path) = data("rigs/m2m_human_male.glb") else { return };
+    let Some(path) = data::file("rigs/m2m_human_male.glb") else { return };
     let rig = load(&path).expect("a rig");
     let first = png(&draw(&rig, 0.0));
     assert!(first.len() > 10_000);

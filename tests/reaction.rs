@@ -3,8 +3,10 @@
 
 #![expect(clippy::print_stdout, reason = "the tables, and what was skipped")]
 
+use crate::common::builtin;
+use crate::data;
 use crate::limits::twins;
-use crate::limits_grid::rigs;
+use crate::limits_grid::THIRD_PARTY;
 use glam::{DQuat, DVec3};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -20,12 +22,14 @@ const START: f64 = 1.0;
 /// s between samples.
 const DT: f64 = 1.0 / 120.0;
 
+/// The built-in rig, or one of the third-party ones where those are there; `None` where they are not.
+#[track_caller]
 fn rig(name: &str) -> Option<Rig> {
-    let found = rigs().into_iter().find(|(known, _)| known == name);
-    if found.is_none() {
-        println!("skipped: {name} is not there");
+    if name == "builtin" {
+        return Some(builtin());
     }
-    found.map(|(_, rig)| rig)
+    let file = THIRD_PARTY.iter().find(|file| file.split('.').next() == Some(name)).expect("a rig of the list");
+    Some(surefoot::rig::load(&data::more()?.join("rigs").join(file)).expect("the rig loads"))
 }
 
 /// So many Ns of the reference body, within that time (s), at a bone, towards a heading (degrees).
@@ -108,7 +112,7 @@ fn trunk_arms_and_head_react_with_a_persons_delays_and_sizes() {
     println!(
         "  Ns    to |  1 deg after s: trunk arms  head | against the fall | peak deg at s: trunk       arms        head pitch roll | settle s"
     );
-    let rig = rig("builtin").expect("the built-in rig");
+    let rig = builtin();
     let mut trunks = Vec::new();
     for impulse in [20.0, 60.0, 100.0] {
         for towards in 0..8 {
@@ -168,7 +172,7 @@ fn trunk_arms_and_head_react_with_a_persons_delays_and_sizes() {
 #[test]
 fn what_was_struck_goes_first() {
     println!("at            to | trunk lean, yaw | head lean on it | hips lean | twist, 0.22 s after the push began");
-    let rig = rig("builtin").expect("the built-in rig");
+    let rig = builtin();
     let row = |role: Role, towards: f64| {
         let scenario = pushed(&rig, role, towards, 60.0, 0.2);
         let seen = Seen::of(&rig, &perform(&rig.body, &scenario, 3).expect("it runs"));
@@ -203,7 +207,7 @@ fn what_was_struck_goes_first() {
 
 #[test]
 fn quick_and_slow_pushes_of_one_impulse_look_different() {
-    let rig = rig("builtin").expect("the built-in rig");
+    let rig = builtin();
     let seen = |seconds: f64| {
         Seen::of(&rig, &perform(&rig.body, &pushed(&rig, Role::Chest, 180.0, 40.0, seconds), 3).expect("it runs"))
     };
@@ -345,7 +349,7 @@ fn over_a_symmetric_base_clip_too_and_it_ends_as_the_base_breathing_or_not() {
 
 #[test]
 fn two_seeds_differ_by_degrees_and_not_by_much() {
-    let rig = rig("builtin").expect("the built-in rig");
+    let rig = builtin();
     let seen = |seed: u64| {
         Seen::of(&rig, &perform(&rig.body, &pushed(&rig, Role::Chest, 90.0, 60.0, 0.2), seed).expect("it runs"))
     };

@@ -2,8 +2,8 @@
 
 #![expect(clippy::print_stdout, reason = "the table")]
 
+use super::data;
 use super::retarget_grid::{ARMS, FILES, LEGS, Row, bodies, clips, measured, off};
-use super::rigs::data;
 use surefoot::mocap::retarget::{planted, retarget, retarget_with};
 use surefoot::model::Capture;
 
@@ -20,7 +20,7 @@ fn rows(captures: &[Capture], body: &surefoot::model::Body) -> Vec<(String, Row)
 
 #[test]
 fn directions_are_the_clips_and_feet_are_held_on_every_body() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     let bodies = bodies(&data);
     for file in FILES {
         let captures = clips(&data, file, &is_a_clip);
@@ -57,7 +57,7 @@ fn directions_are_the_clips_and_feet_are_held_on_every_body() {
 
 #[test]
 fn there_and_back_again_is_nearly_the_clip() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     let bodies = bodies(&data);
     for (file, clip) in [
         ("clips/cmu_02_01_walk.bvh", ""),
@@ -97,7 +97,7 @@ fn there_and_back_again_is_nearly_the_clip() {
 
 #[test]
 fn stances_that_are_told_are_those_that_are_held() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     let body = &bodies(&data)[0].1;
     let source = clips(&data, "clips/cmu_02_01_walk.bvh", &|_| true).swap_remove(0);
     let found = planted(&source);
@@ -116,7 +116,7 @@ fn stances_that_are_told_are_those_that_are_held() {
 
 #[test]
 fn a_cycle_ends_as_it_begins_on_every_body() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     let cycle = |name: &str| name == "Walk_Loop" || name == "Idle_Loop" || name == "Jog_Fwd_Loop";
     for capture in clips(&data, "rigs/m2m_human_base_animations.glb", &cycle) {
         for (name, body) in bodies(&data) {

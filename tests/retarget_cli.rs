@@ -1,6 +1,6 @@
 //! `surefoot retarget` at the shell: one more clip in a copy of the rig's file, read back; and what it refuses.
 
-use super::rigs::data;
+use super::data;
 use std::path::Path;
 use std::process::Command;
 use surefoot::bake::RootMotion;
@@ -79,7 +79,7 @@ fn what_cannot_be_retargeted_is_told_with_a_remedy() {
     told(&["retarget", "none.bvh", "builtin", "-o", "a.glb"], "no such file");
     told(&["retarget", "notes.txt", "builtin", "-o", "a.glb"], "notes.txt");
     told(&["retarget", "notes.txt", "builtin", "-o", "a.bvh"], ".glb");
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     let path = |name: &str| data.join(name).display().to_string();
     let (pack, walk) = (path("rigs/m2m_human_base_animations.glb"), path("clips/cmu_02_01_walk.bvh"));
     told(&["retarget", &pack, "builtin", "-o", "a.glb"], "name one with --clip");

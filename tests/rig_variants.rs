@@ -1,6 +1,7 @@
 //! Rigs made from others or from nothing: scales, axes, units, skins, conventions, lacking bones, overrides.
 
-use super::rigs::{data, stands_as_scenario_space_says};
+use super::data;
+use super::rigs::stands_as_scenario_space_says;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use surefoot::model::Role;
@@ -10,7 +11,7 @@ use Role::*;
 
 #[test]
 fn a_scaled_turned_or_centimetre_armature_gives_the_same_body() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     for file in ["rigs/m2m_human_male.glb", "rigs/kaykit_Knight.glb", "rigs/gdquest_mannequiny.glb"] {
         let path = data.join(file);
         let plain = load(&path).expect("a rig");
@@ -53,7 +54,7 @@ fn same_places(what: &str, rig: &Rig, plain: &Rig, relative: f64) {
 
 #[test]
 fn a_second_skin_for_one_body_changes_nothing_and_a_contrary_one_is_told() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     let path = data.join("rigs/m2m_human_male.glb");
     let plain = load(&path).expect("a rig");
     let mut document = parse(&path);

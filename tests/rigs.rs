@@ -1,20 +1,9 @@
 //! Real rigs: the right node for each bone, height, heading, unit; the same without names; what is refused.
 
+use super::data;
 use super::rig_variants::{load_document, parse, strip};
-use std::path::PathBuf;
 use surefoot::model::Role;
 use surefoot::rig::{Rig, RigError, load};
-
-/// The folder of third-party rigs, if it is there.
-pub fn data() -> Option<PathBuf> {
-    let beside = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    let folder = std::env::var_os("SUREFOOT_DATA").map_or_else(beside, PathBuf::from);
-    if folder.join("rigs").is_dir() {
-        return Some(folder);
-    }
-    eprintln!("skipped: no data folder (set SUREFOOT_DATA)");
-    None
-}
 
 /// What a file must give. Names of the left side; `{}` stands for the side. A name `#7` is node 7.
 struct Expected {
@@ -258,7 +247,7 @@ fn expected() -> Vec<Expected> {
 
 #[test]
 fn every_real_humanoid_maps_to_the_bones_that_a_person_sees() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     for case in expected() {
         let rig = load(&data.join(case.file)).unwrap_or_else(|error| panic!("{error}"));
         let file = case.file;
@@ -335,7 +324,7 @@ pub fn stands_as_scenario_space_says(what: &str, rig: &Rig) {
 
 #[test]
 fn the_bones_of_unnamed_rigs_are_those_that_their_names_say() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     let core = [LeftUpperArm, LeftLowerArm, LeftUpperLeg, LeftLowerLeg, LeftFoot, LeftToes];
     for case in expected().iter().filter(|case| case.method != "geometry" && !case.file.contains("rajagopal")) {
         let path = data.join(case.file);
@@ -361,7 +350,7 @@ fn the_bones_of_unnamed_rigs_are_those_that_their_names_say() {
 
 #[test]
 fn the_fox_is_refused_as_a_quadruped_named_or_not() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     let path = data.join("rigs/khronos_Fox.glb");
     let mut bare = parse(&path);
     strip(&mut bare);
@@ -374,7 +363,7 @@ fn the_fox_is_refused_as_a_quadruped_named_or_not() {
 
 #[test]
 fn the_bind_pose_is_upright_where_the_nodes_rest_in_mid_air() {
-    let Some(data) = data() else { return };
+    let Some(data) = data::folder() else { return };
     let rig = load(&data.join("rigs/gdquest_mannequiny.glb")).expect("a rig");
     let at = |role| place(&rig, role).expect("a joint");
     assert!((at(LeftFoot).y - at(RightFoot).y).abs() < 0.005, "feet at one height");

@@ -3,6 +3,7 @@
 //! Pictures go to `target/studio/`. Where no graphics card, real or played, is found, this says so and passes; on CI it fails.
 
 use super::common;
+use crate::data;
 use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuConfiguration, WgpuSetup};
 use eframe::{egui, wgpu};
 use egui_kittest::Harness;
@@ -11,7 +12,7 @@ use egui_kittest::wgpu::{WgpuTestRenderer, default_wgpu_setup};
 use glam::DVec3;
 use image::RgbaImage;
 use std::future::Future;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::task::{Context, Poll, Waker};
 use std::time::Instant;
@@ -121,13 +122,6 @@ fn picture_of(
     let image = harness.render().expect("it renders");
     save(name, &image);
     Some(image)
-}
-
-fn shared(name: &str) -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    let folder: PathBuf = std::env::var_os("SUREFOOT_DATA").map_or(beside, Into::into);
-    let path = folder.join(name);
-    path.exists().then_some(path)
 }
 
 /// The middle of a push.
@@ -240,7 +234,7 @@ fn foreign_rigs_are_drawn_with_their_pictures() {
         ("rigs/khronos_CesiumMan.gltf", "cesium.png"),
         ("rigs/gdquest_mannequiny.glb", "mannequiny.png"),
     ] {
-        let Some(path) = shared(file) else { continue };
+        let Some(path) = data::file(file) else { continue };
         let shown = Shown::new(rig::load(&path).expect("it loads"), "");
         let mut viewport = Viewport::default();
         let time = mid_push(&shown.baked);
@@ -300,7 +294,7 @@ fn a_frame_costs_little() {
     let heaviest = ["rigs/gdquest_mannequiny.glb", "rigs/kaykit_Knight.glb", "rigs/m2m_human_base_animations.glb"];
     let mut rigs = vec![("built-in".to_owned(), common::builtin())];
     for file in heaviest {
-        rigs.extend(shared(file).map(|path| (file.to_owned(), rig::load(&path).expect("it loads"))));
+        rigs.extend(data::file(file).map(|path| (file.to_owned(), rig::load(&path).expect("it loads"))));
     }
     rigs.push(("built-in, heavy".to_owned(), heavy(common::builtin(), 60_000)));
     for (name, rig) in rigs {

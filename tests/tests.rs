@@ -34,12 +34,16 @@ mod correct;
 mod correct_played;
 /// What a corrected clip that was baked here tells of itself.
 mod correct_told;
+/// Where third-party rigs and clips are, and which tests want them.
+mod data;
 /// What stands beside a clip for an engine: written whole, run where it can be.
 mod engines;
 /// Baked files: the source kept whole, read again, by the Khronos validator, three.js.
 mod export;
 /// The same for rigs that nobody here made: slip, keys, the Khronos validator.
 mod export_real;
+/// The run that the library's documentation shows.
+mod first_run;
 /// The controller on slopes, stairs, gaps, rolling ground and a turning platform.
 mod ground;
 /// Files that are broken, malicious or of another kind.

@@ -4,6 +4,7 @@
 
 #![expect(clippy::print_stdout, reason = "tests tell what they measured")]
 
+use crate::data;
 use crate::export::{json_of, report};
 use crate::synthetic;
 use glam::{DQuat, DVec3};
@@ -33,13 +34,8 @@ pub fn rigs() -> Vec<(String, Rig)> {
     rigs.extend(
         synthetic::troubles().into_iter().map(|(name, trouble)| (format!("synthetic_{name}"), synthetic::rig(trouble))),
     );
-    let folder = std::env::var_os("SUREFOOT_DATA")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from)
-        .join("rigs");
-    let Ok(entries) = std::fs::read_dir(&folder) else {
-        println!("skipped: no {}", folder.display());
-        return rigs;
-    };
+    let Some(data) = data::more() else { return rigs };
+    let entries = std::fs::read_dir(data.join("rigs")).expect("a folder");
     let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
     paths.sort();
     for path in paths {
@@ -258,7 +254,8 @@ fn a_rest_pose_that_is_no_t_is_turned_into_one() {
 
 #[test]
 fn a_palm_that_faces_ahead_is_turned_down() {
-    let Some((_, rig)) = rigs().into_iter().find(|(name, _)| name == "m2m_human_male.glb") else { return };
+    let Some(file) = data::file("rigs/m2m_human_male.glb") else { return };
+    let rig = surefoot::rig::load(&file).expect("the rig loads");
     let joint = |role: Role| rig.body.joint(role).expect("it has whole hands");
     let (lower, hand) = (joint(Role::LeftLowerArm), joint(Role::LeftHand));
     let mut places: Vec<DVec3> = rig.body.joints.iter().map(|joint| joint.rest).collect();

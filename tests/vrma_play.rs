@@ -2,10 +2,10 @@
 
 #![expect(clippy::print_stdout, reason = "tests tell what they measured")]
 
+use crate::data;
 use crate::vrma::{Played, clip, made, made_path, rigs};
 use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
-use std::path::PathBuf;
 use surefoot::bake::{BakeOptions, RootMotion, bake};
 use surefoot::export::{t_pose, vrma};
 use surefoot::model::report::Part;
@@ -101,9 +101,7 @@ fn it_is_ready_to_be_played_on_its_own_character() {
                 println!("{name} has its hips on its origin: no player can scale a way by their height");
                 continue;
             }
-            let path = std::env::var_os("SUREFOOT_DATA")
-                .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
-            let vrm = std::fs::read(path.join("rigs").join(&name)).expect("it was loaded");
+            let vrm = std::fs::read(data::place().join("rigs").join(&name)).expect("it was loaded");
             dump(&format!("play_{name}"), &rig, &clip, &vrm, &made.bytes);
         } else if similarity.scale == 1.0 && similarity.translation.length() < 1e-3 && rig.document.glb_buffer {
             let upright = similarity.rotation.angle_between(DQuat::IDENTITY) < 1e-6;

@@ -5,6 +5,7 @@
 
 #![expect(clippy::print_stdout, reason = "the table")]
 
+use crate::common::builtin;
 use crate::export::baked_path;
 use crate::limits_grid::rigs;
 use crate::walk_grid::{RIGS, walks};
@@ -137,7 +138,7 @@ const UNLIKE_PEOPLE: [(f64, usize); 3] = [(0.8, 3), (1.2, 1), (1.6, 3)];
 
 #[test]
 fn a_level_walk_is_as_people_walk() {
-    let (_, rig) = rigs().swap_remove(0);
+    let rig = builtin();
     let leg = surefoot::whole_body::Anatomy::new(&rig.body).legs[0].length();
     for (speed, most) in UNLIKE_PEOPLE {
         let walk = |start: f64, speed: f64| Walk { start, duration: None, speed, heading: 0.0, facing: None };

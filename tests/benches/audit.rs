@@ -14,6 +14,9 @@ mod audit_forces;
 mod audit_grid;
 #[path = "../audit_velocity.rs"]
 mod audit_velocity;
+#[path = "../data.rs"]
+#[allow(dead_code)] // of which a bench uses the place alone
+mod data;
 
 use audit_grid::{Clip, Fault, Found, Kind, ask, clean, clips, faults, slow_clips, slow_flights, walks};
 use audit_velocity::Detector;
@@ -29,8 +32,7 @@ fn main() {
     }
     let verbose = words.iter().any(|word| word == "-v");
     let all = words.iter().any(|word| word == "--held-out");
-    let data = std::env::var_os("SUREFOOT_DATA")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
+    let data = data::place();
     if !data.is_dir() {
         println!("skipped: no lab data at {} (SUREFOOT_DATA names another folder)", data.display());
         return;

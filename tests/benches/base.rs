@@ -7,8 +7,11 @@
 
 #![expect(clippy::print_stdout, reason = "the table")]
 
+#[path = "../data.rs"]
+#[allow(dead_code)] // of which a bench uses the place alone
+mod data;
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use surefoot::bake::base::{gait::Gait, prepare};
 use surefoot::bake::{BakeOptions, Baked, Base, bake, contacts};
@@ -61,8 +64,7 @@ const WALKED: f64 = 8.0;
 const IMPULSES: [f64; 4] = [25.0, 50.0, 75.0, 100.0];
 
 fn main() {
-    let folder = std::env::var_os("SUREFOOT_DATA").map(PathBuf::from);
-    let folder = folder.unwrap_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"));
+    let folder = data::place();
     if !folder.is_dir() {
         println!("skipped: no third-party rigs in {}", folder.display());
         return;

@@ -8,6 +8,9 @@
 
 #[path = "../audit_faults.rs"]
 mod audit_faults;
+#[path = "../data.rs"]
+#[allow(dead_code)] // of which a bench uses the place alone
+mod data;
 #[path = "../stick_strip.rs"]
 mod stick_strip;
 
@@ -51,8 +54,7 @@ fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
     let told = words.iter().any(|word| word == "-v");
     let filter = words.iter().find(|word| !word.starts_with('-')).cloned().unwrap_or_default();
-    let data = std::env::var_os("SUREFOOT_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
+    let data = data::place();
     if !data.join("audit").is_dir() {
         println!("skipped: no data/audit");
         return;

@@ -4,7 +4,9 @@
 
 #![expect(clippy::print_stdout, reason = "the table")]
 
-use std::path::PathBuf;
+#[path = "../data.rs"]
+#[allow(dead_code)] // of which a bench uses the place alone
+mod data;
 use surefoot::bake::{BakeOptions, bake, contacts};
 use surefoot::measure::gait::{Gait, gait};
 use surefoot::measure::{Frame, HeldContact, Motion, Track};
@@ -23,8 +25,7 @@ const RECORDED: [&str; 2] = ["cmu_02_01_walk", "cmu_12_01_walk"];
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
-    let data = std::env::var("SUREFOOT_DATA")
-        .map_or_else(|_| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
+    let data = data::place();
     let alone = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
     let mut rigs = vec![("builtin".to_owned(), load_bytes("builtin", BUILTIN, &alone, None).expect("built in"))];
     for word in words {

@@ -1,8 +1,10 @@
 //! What a clip costs to read: frames a second of a 31-joint BVH, parsed and posed (to hold: 40,000), and of real FBX and glTF.
 
+#[path = "../data.rs"]
+#[allow(dead_code)] // of which a bench uses the place alone
+mod data;
 use divan::{Bencher, counter::ItemsCount};
 use std::fmt::Write;
-use std::path::PathBuf;
 use surefoot::mocap::{Options, load, read};
 
 fn main() {
@@ -71,7 +73,7 @@ fn bvh_of_31_joints(bencher: Bencher) {
 
 #[divan::bench(args = ["clips/cmu_01_01_hops.bvh", "clips/pab_walk.fbx", "forces/rajagopal_walk.glb"], sample_count = 10)]
 fn real(bencher: Bencher, clip: &str) {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(clip);
+    let path = data::place().join(clip);
     let Ok(file) = load(&path) else { return };
     let frames = file.capture(0, &Options::default()).map_or(0, |capture| capture.frames());
     bencher.counter(ItemsCount::new(frames)).bench_local(|| {

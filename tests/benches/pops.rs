@@ -7,6 +7,9 @@
 #![expect(clippy::print_stdout, reason = "the table")]
 #![expect(dead_code, reason = "shares its rigs with other tables")]
 
+#[path = "../data.rs"]
+#[allow(dead_code)] // of which a bench uses the place alone
+mod data;
 #[path = "../limits_grid.rs"]
 mod limits_grid;
 #[path = "../walk_grid.rs"]

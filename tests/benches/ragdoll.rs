@@ -8,6 +8,9 @@
 
 #![expect(clippy::print_stdout, reason = "the table")]
 
+#[path = "../data.rs"]
+#[allow(dead_code)] // of which a bench uses the place alone
+mod data;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -89,7 +92,9 @@ fn main() {
     if wants("pushes") {
         table(&builtin, count, &[0, 1, 2, 3, 4]);
         let given = words.iter().filter(|word| word.parse::<usize>().is_err() && !named(word)).map(PathBuf::from);
-        for path in OTHERS.iter().map(|name| data().join("rigs").join(name)).filter(|path| path.exists()).chain(given) {
+        for path in
+            OTHERS.iter().map(|name| data::place().join("rigs").join(name)).filter(|path| path.exists()).chain(given)
+        {
             match rig::load(&path) {
                 Ok(loaded) => table(&Subject::new(&path.display().to_string(), loaded.body), count, &[1, 2]),
                 Err(error) => println!("{}: {error}", path.display()),
@@ -110,12 +115,6 @@ fn main() {
             print();
         }
     }
-}
-
-/// Where the rigs are that nobody here made.
-fn data() -> PathBuf {
-    let beside = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    std::env::var_os("SUREFOOT_DATA").map_or_else(beside, PathBuf::from)
 }
 
 fn table(subject: &Subject, count: usize, bins: &[usize]) {

@@ -6,6 +6,9 @@
 
 #![expect(clippy::print_stdout, reason = "the table")]
 
+#[path = "../data.rs"]
+#[allow(dead_code)] // of which a bench uses the place alone
+mod data;
 #[path = "../retarget_grid.rs"]
 mod retarget_grid;
 
@@ -21,8 +24,7 @@ use surefoot::picture::{Overlay, png, stick_strip};
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
     let verbose = std::env::args().any(|word| word == "-v");
-    let beside = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    let data = std::env::var_os("SUREFOOT_DATA").map_or_else(beside, PathBuf::from);
+    let data = data::place();
     if !data.is_dir() {
         println!("skipped: no data folder (set SUREFOOT_DATA)");
         return;
