@@ -34,6 +34,12 @@ mod correct;
 mod correct_played;
 /// What a corrected clip that was baked here tells of itself.
 mod correct_told;
+/// Every command, link and example of README, of the other pages and of the topics.
+mod documents;
+/// The folder that their commands run in.
+mod documents_folder;
+/// What in a document is a command.
+mod documents_lines;
 /// What stands beside a clip for an engine: written whole, run where it can be.
 mod engines;
 /// Baked files: the source kept whole, read again, by the Khronos validator, three.js.
@@ -80,6 +86,8 @@ mod retarget_grid;
 mod rig_variants;
 /// Real rigs: bones, height, heading, unit.
 mod rigs;
+/// The schemas of clips and audits: the keys that are written, and no others.
+mod schemas;
 /// The program at a shell of the test's own.
 mod shell;
 /// Soles in plan: apart and uncrossed.
