@@ -1,5 +1,5 @@
 //! The folder that the documents' commands run in: the files that they name, made of what is in the repository. Short and few, so that hundreds of
-//! commands take seconds: scenarios of 2 s, a sweep of 6 where the page shows 48.
+//! commands take seconds: scenarios of 1.2 s, a sweep of 6 where the page shows 48.
 
 use crate::common::builtin;
 use crate::shell::Shell;
@@ -10,7 +10,7 @@ use surefoot::bake::{BakeOptions, bake};
 use surefoot::export::glb;
 use surefoot::model::scenario_text;
 
-const SHOVE: &str = "title = \"shove\"\nduration = 2.0\nseed = 7\n\n[[push]]\nstart = 0.4\nduration = 0.2\nforce = 200.0\ntoward = \"right\"\nat = \"chest\"\n";
+const SHOVE: &str = "title = \"shove\"\nduration = 1.2\nseed = 7\n\n[[push]]\nstart = 0.3\nduration = 0.2\nforce = 100.0\ntoward = \"right\"\nat = \"chest\"\n";
 const WALK: &str = "title = \"walk\"\nduration = 7.0\n\n[[walk]]\nstart = 0.3\nspeed = 1.1\n";
 const STANCE: &str = "title = \"stance\"\nduration = 6.0\nseed = 3\n\n[character]\nbreathing = 0.7\n";
 const SWEEP: &str = "scenario = \"shove.toml\"\nrigs = [\"hero.glb\"]\nname = \"{push.0.toward}_s{seed}\"\n\n[vary]\n\"push.0.toward\" = [\"left\", \"front\"]\nseed = [1, 2]\n\n[bake]\ndrive = \"stepper\"\n";
