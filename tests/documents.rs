@@ -27,6 +27,8 @@ const PAGES: [&str; 6] = [
 const MOST_LINES: usize = 170;
 /// Characters of a topic's line at most.
 const WIDEST: usize = 100;
+/// Characters of its first line at most: `surefoot help` lists it beside the name.
+const SUMMARY: usize = 80;
 /// Words that are not the field's: in contact, reported, path, smooth, earlier are.
 const DIALECT: [&str; 11] = [
     "inside of the program",
@@ -257,8 +259,8 @@ fn a_topic_has_a_summary_and_no_line_that_is_too_wide_for_a_terminal() {
         let text = read(&topic_page(&name));
         let summary = text.lines().next().unwrap_or_default();
         assert!(
-            summary.chars().count() > 20 && text.lines().nth(1) == Some(""),
-            "{name}: no summary in its first line"
+            (20..=SUMMARY).contains(&summary.chars().count()) && text.lines().nth(1) == Some(""),
+            "{name}: no summary of 20 to 80 letters in its first line"
         );
         for (index, line) in text.lines().enumerate() {
             assert!(line.chars().count() <= WIDEST && line == line.trim_end(), "{name}.txt:{}: {line}", index + 1);
