@@ -43,9 +43,9 @@ const DIALECT: [&str; 11] = [
     "whoever",
     " lacks ",
 ];
-/// Flags that name a file which must be there afterwards.
-const WRITES: [&str; 10] =
-    ["-o", "--output", "--sheet", "--plot", "--json", "--csv", "--html", "--write-waivers", "--openjd", "--slurm"];
+/// Flags that name a file which must be there afterwards; `-o` and `--json` are special.
+const WRITES: [&str; 8] =
+    ["--output", "--sheet", "--plot", "--csv", "--html", "--write-waivers", "--openjd", "--slurm"];
 /// Flags of cargo that the documents use and that need no more of a check.
 const PLAIN_CARGO: [&str; 6] = ["--release", "--lib", "--no-default-features", "--locked", "--path", "."];
 
@@ -126,10 +126,14 @@ fn surefoot(line: &Line, words: &str, shell: &Shell) -> bool {
         _ => parses(line, words),
     }
     let farm = words.contains("--openjd") || words.contains("--slurm");
+    let writes = |flag: &str| match flag {
+        "-o" => !farm,
+        "--json" => takes_file(&list),
+        flag => WRITES.contains(&flag),
+    };
     let named: Vec<PathBuf> = list
         .windows(2)
-        .filter(|pair| WRITES.contains(&pair[0]) && pair[1] != "-" && !pair[1].starts_with("--"))
-        .filter(|pair| !(farm && pair[0] == "-o") && !(pair[0] == "--json" && !takes_file(&list)))
+        .filter(|pair| writes(pair[0]) && pair[1] != "-" && !pair[1].starts_with("--"))
         .map(|pair| shell.path(pair[1]))
         .collect();
     for path in &named {
