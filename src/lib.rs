@@ -1,19 +1,22 @@
 //! Surefoot: reactive stepping and balance, baked into glTF animation clips.
 //!
-//! START HERE. A file imports only from rows above its own in this table (a test in `tests/architecture.rs` holds it):
+//! START HERE. A file imports only from rows above its own in this table (`tests/architecture.rs` checks it):
 //!
 //! | row | folders | knows |
 //! |---|---|---|
 //! | 0 | [`maths`] | glam only: pendulum formulae, springs, curves, filters, hulls, two-bone IK |
 //! | 1 | [`model`] | plain data: humanoid roles, body, pose, clip, contacts, scenario, report |
-//! | 2 | [`rig`], [`measure`] | glTF/VRM to [`rig::Rig`]; what is true of a motion: slip, ZMP, residual, pops |
-//! | 3 | [`mocap`], [`stepper`], [`whole_body`], [`ragdoll`] | BVH, FBX, glTF, VRMA to captures, and from one body to another; the low-dimensional controller; the pose that has its centre of mass and its feet; the articulated body |
-//! | 4 | [`sim`], [`audit`] | the fixed-step session that runs the stepper under a scenario and leaves a trace; captures to findings |
-//! | 5 | [`bake`], [`correct`] | trace to clip, over a base clip or alone: foot curves, reach envelope, ZMP filter, root motion, key reduction; findings to a corrected clip |
-//! | 6 | [`export`], [`picture`] | bytes of GLB and VRMA, events, engine helpers; contact sheets, plots, pages of audits |
-//! | 7 | [`batch`] | sweep to plan to clips side by side, manifest, near-duplicates, files for farms |
-//! | 8 | [`disk`] | the files on the disk: which are meant, what is in them, whole ones in their places |
+//! | 2 | [`rig`], [`measure`] | glTF and VRM files to [`rig::Rig`]; measures of a motion: slip, ZMP, residual, pops |
+//! | 3 | [`mocap`], [`stepper`], [`whole_body`], [`ragdoll`] | clip files (BVH, FBX, glTF, VRMA) and retargeting; the low-dimensional controller; the pose for a centre of mass and two feet; the articulated body: links, world, torques |
+//! | 4 | [`sim`], [`audit`] | the fixed-step session that runs the stepper or the articulated body under a scenario and records a trace; captures to findings |
+//! | 5 | [`bake`], [`correct`] | trace to clip, alone or over a base clip: foot curves, reach, ZMP filter, root motion, key reduction; findings to a corrected clip |
+//! | 6 | [`export`], [`picture`] | bytes of GLB, VRMA, events, engine helpers; contact sheets, plots, pages of audits |
+//! | 7 | [`batch`] | sweep to plan to clips side by side; records, manifest, near-duplicates, jobs for farms |
+//! | 8 | [`disk`] | files on the disk: which are meant, what is in them; written whole or not at all |
 //! | 9 | [`cli`], `studio` | the command line; the window |
+//!
+//! Beside `src/`: `rigs/` holds the built-in rig and the tables of bone names, `exports/` the format of what is written and a gallery, `tests/`
+//! what spans several folders (tests/README.md says which test to run after which change).
 //!
 //! A bake from end to end, as the command line does it (without the files):
 //!
@@ -22,7 +25,7 @@
 //! use surefoot::model::{Scenario, report::Outcome};
 //! use surefoot::{export, rig};
 //!
-//! let alone = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound)); // the built-in rig has no other files
+//! let alone = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound)); // the built-in rig is one file
 //! let rig = rig::load_bytes("builtin", rig::mannequin::BUILTIN, &alone, None)?;
 //! let baked = bake(&rig, &Scenario::demo(), &BakeOptions::default())?; // shoved from the left, 60 N s
 //! assert_eq!(baked.report.outcome, Outcome::Step);
@@ -32,8 +35,8 @@
 //! ```
 //!
 //! Spaces. **Scenario space** is metres, Y up, Z the rig's forward (so X is its left), origin on the ground under the
-//! rig; everything from row 1 to row 5 speaks it unless a name says otherwise. **Document space** is the source file's
-//! own glTF world; [`rig::Rig::document_from_scenario`] leads there. Angles are radians, times seconds, forces newtons;
+//! rig; rows 1 to 5 use it unless a name says otherwise. **Document space** is the source file's
+//! own glTF world; [`rig::Rig::document_from_scenario`] maps to it. Angles are radians, times seconds, forces newtons;
 //! degrees appear only in files and on screen.
 
 pub mod audit;

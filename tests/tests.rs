@@ -36,6 +36,12 @@ mod correct_played;
 mod correct_told;
 /// Where third-party rigs and clips are, and which tests want them.
 mod data;
+/// Every command, link and example of README, of the other pages and of the topics.
+mod documents;
+/// The folder that their commands run in.
+mod documents_folder;
+/// What in a document is a command.
+mod documents_lines;
 /// What stands beside a clip for an engine: written whole, run where it can be.
 mod engines;
 /// Baked files: the source kept whole, read again, by the Khronos validator, three.js.
@@ -84,6 +90,8 @@ mod retarget_grid;
 mod rig_variants;
 /// Real rigs: bones, height, heading, unit.
 mod rigs;
+/// The schemas of clips and audits: the keys that are written, and no others.
+mod schemas;
 /// The program at a shell of the test's own.
 mod shell;
 /// Soles in plan: apart and uncrossed.

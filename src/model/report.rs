@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// The whole object.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[expect(missing_docs, reason = "the names are the file format's own, described in README")]
+#[expect(missing_docs, reason = "the names are the file format's own, described in exports/README.md")]
 pub struct ClipReport {
     pub version: u32,
     pub generator: String,

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Writes the Slurm scripts of a small sweep, submits them to the cluster that this machine belongs to, and compares what comes
 # out, byte for byte, with one run of the whole sweep; then kills a chunk on its node and has it queued again. By hand: it needs
-# a cluster. One node from Debian's packages (slurm-wlm, munge) will do; README says how.
+# a cluster. One node from Debian's packages (slurm-wlm, munge) will do; exports/gallery/sweep/README.md says how.
 #
 #   tests/tools/slurm_check.sh target/release/surefoot [FOLDER THAT THE NODES SEE]
 set -eu
