@@ -185,7 +185,7 @@ fn thousands_of_mutants_of_real_and_made_files_never_break_the_loader() {
 }
 
 /// A stick person as .gltf.
-fn person() -> Vec<u8> {
+pub fn person() -> Vec<u8> {
     use Role::*;
     let roles = [
         Hips,

@@ -40,6 +40,8 @@ mod engines;
 mod export;
 /// The same for rigs that nobody here made: slip, keys, the Khronos validator.
 mod export_real;
+/// What the `gltf` crate refuses, loses or panics on, and is read here.
+mod gltf_crate;
 /// The controller on slopes, stairs, gaps, rolling ground and a turning platform.
 mod ground;
 /// Files that are broken, malicious or of another kind.
