@@ -89,8 +89,9 @@ pub fn read_tracks(document: &Document, nodes: usize, index: usize) -> Result<Tr
     let (mut foreign, mut numbers) = (0, 0);
     for (at, json) in list("channels").iter().enumerate() {
         let place = format!("{place}.channels[{at}]");
-        // An extension's business (KHR_animation_pointer); the crate's `Channel` must have a node.
-        if json.get("target").is_some_and(|target| target.is_object() && target.get("node").is_none()) {
+        // An extension's business (KHR_animation_pointer) or nobody's; the crate's `Channel` must have a node and a path.
+        let says = |target: &Value| target.get("node").is_some() && target.get("path").is_some_and(Value::is_string);
+        if json.get("target").is_some_and(|target| !says(target)) {
             foreign += 1;
             continue;
         }

@@ -45,8 +45,8 @@ pub fn read_parts(
             vacant.insert(document.typed("meshes", mesh, &format!("nodes[{index}].mesh"))?);
         }
         for (at, primitive) in meshes[&mesh].primitives.iter().enumerate() {
-            let place = format!("meshes[{mesh}].primitives[{at}]");
             let Some(position) = attribute(primitive, Semantic::Positions) else { continue };
+            let place = format!("meshes[{mesh}].primitives[{at}]");
             vertices = vertices.saturating_add(document.accessor_count(position, &place)?);
             if let Some(indices) = primitive.indices {
                 corners = corners.saturating_add(document.accessor_count(indices.value(), &place)?);
