@@ -73,7 +73,7 @@ fn corrected_curves_are_left_for_other_programs_to_play() {
 fn dump(file: &ClipFile, reading: &Reading, index: usize, rig: &Rig, out: &str, changed: &[usize]) {
     let (document, nodes) = (file.document().expect("glTF"), file.nodes().expect("glTF"));
     let tracks = read_tracks(document, nodes.len(), index).expect("tracks");
-    let curves = tracks.list.iter().filter(|track| track.join == Join::Cubic).count();
+    let curves = tracks.list.iter().filter(|track| track.join == Join::CubicSpline).count();
     assert!(curves > 10, "{out}: {curves} curves: this is to be about curves");
     let order = reading.rig.parents_first();
     let fps = reading.capture.fps;

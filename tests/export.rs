@@ -305,8 +305,8 @@ pub fn reads_back(rig: &Rig, clip: &Clip, file: &[u8]) {
             _ => panic!("another path"),
         }
     }
-    let extras: Value = serde_json::from_str(animation.extras().as_ref().expect("extras").get()).expect("JSON");
-    assert_eq!(extras["surefoot"]["version"], 1);
+    let (json, _) = json_of(file);
+    assert_eq!(json["animations"][animation.index()]["extras"]["surefoot"]["version"], 1);
     for node in gltf.nodes().skip(source_nodes) {
         let in_scene =
             gltf.scenes().flat_map(|scene| scene.nodes().collect::<Vec<_>>()).any(|root| reaches(&root, node.index()));

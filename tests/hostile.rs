@@ -238,7 +238,7 @@ fn with_json(text: &[u8], rest: &[u8]) -> Vec<u8> {
 }
 
 /// A stick person as .gltf.
-fn person() -> Vec<u8> {
+pub fn person() -> Vec<u8> {
     use Role::*;
     let roles = [
         Hips,

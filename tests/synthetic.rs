@@ -106,6 +106,8 @@ pub fn rig(trouble: Trouble) -> Rig {
         local,
         bind: local,
         has_matrix: false,
+        mesh: None,
+        skin: None,
     };
     let mut nodes = vec![node("Armature", None, armature), node("body_mesh", None, Trs::IDENTITY)];
     let mut globals: Vec<DAffine3> = vec![armature.affine(), DAffine3::IDENTITY];

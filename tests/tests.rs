@@ -50,6 +50,8 @@ mod export;
 mod export_real;
 /// The run that the library's documentation shows.
 mod first_run;
+/// What the `gltf` crate refuses, loses or panics on, and is read here.
+mod gltf_crate;
 /// The controller on slopes, stairs, gaps, rolling ground and a turning platform.
 mod ground;
 /// Files that are broken, malicious or of another kind.

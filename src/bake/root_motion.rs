@@ -62,14 +62,7 @@ impl RootMotion {
 /// The rig's own root bone: above the hips, on the ground at the origin, and a joint of a skin or called "root". A name wins
 /// over a place, the upper over the lower.
 pub fn root_bone(rig: &Rig) -> Option<usize> {
-    let joints: Vec<u64> = rig.document.json["skins"].as_array().map_or_else(Vec::new, |skins| {
-        skins
-            .iter()
-            .filter_map(|skin| skin["joints"].as_array())
-            .flatten()
-            .filter_map(serde_json::Value::as_u64)
-            .collect()
-    });
+    let joints = rig.skin_joints();
     let globals = rig.bind_globals();
     let mut above = Vec::new();
     let mut at = rig.nodes.get(rig.hips_node())?.parent;
@@ -83,7 +76,7 @@ pub fn root_bone(rig: &Rig) -> Option<usize> {
     };
     above.retain(|node| near(*node));
     let named = above.iter().rev().find(|node| rig.nodes[**node].name.as_deref().is_some_and(is_root_name));
-    named.or_else(|| above.iter().rev().find(|node| joints.contains(&(**node as u64)))).copied()
+    named.or_else(|| above.iter().rev().find(|node| joints.contains(*node))).copied()
 }
 
 fn is_root_name(name: &str) -> bool {

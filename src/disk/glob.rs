@@ -3,36 +3,14 @@
 //! `*` is any letters of one name, none too, `?` one letter; `**` as a whole part of a path is any folders. A bracket is a bracket.
 
 use std::path::{Component, Path, PathBuf};
+use wildmatch::WildMatch;
 
 /// Folders below one another that are looked through at most: past that it is a loop.
 const DEEPEST: usize = 24;
 
 /// Whether a text has that form, letter by letter. Case counts.
 pub fn matches(pattern: &str, text: &str) -> bool {
-    let pattern: Vec<char> = pattern.chars().collect();
-    let text: Vec<char> = text.chars().collect();
-    let (mut p, mut t) = (0, 0);
-    let mut star: Option<(usize, usize)> = None; // where the last * stands, and what it has eaten up to
-    while t < text.len() {
-        match pattern.get(p) {
-            Some('*') => {
-                star = Some((p, t));
-                p += 1;
-            }
-            Some(letter) if *letter == '?' || *letter == text[t] => {
-                p += 1;
-                t += 1;
-            }
-            _ => match star {
-                Some((at, eaten)) => {
-                    star = Some((at, eaten + 1));
-                    (p, t) = (at + 1, eaten + 1);
-                }
-                None => return false,
-            },
-        }
-    }
-    pattern[p..].iter().all(|letter| *letter == '*')
+    WildMatch::new(pattern).matches(text)
 }
 
 /// Whether a path has to be looked up rather than opened.

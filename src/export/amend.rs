@@ -156,7 +156,7 @@ fn curve(
 ) -> RawKeys {
     let none = RawKeys { times: Vec::new(), numbers: Vec::new(), join: Join::Linear };
     let RawKeys { times, numbers, join } = old.unwrap_or(none);
-    let cubic = join == Join::Cubic;
+    let cubic = join == Join::CubicSpline;
     let slope = |at: f64| {
         // A spline's own tangent: exact but for rounding, since a cubic's central difference errs with its third power alone.
         let near = 1e-4;
@@ -257,7 +257,7 @@ fn put(animation: &mut Value, node: usize, property: u8, curve: &RawKeys, keys: 
     let input = keys.accessor("SCALAR", &curve.times, 1);
     let output = keys.accessor(kind, &curve.numbers.concat(), width);
     let interpolation = match curve.join {
-        Join::Cubic => "CUBICSPLINE",
+        Join::CubicSpline => "CUBICSPLINE",
         Join::Step => "STEP",
         Join::Linear => "LINEAR",
     };
@@ -397,7 +397,7 @@ mod tests {
         let old = RawKeys {
             times: vec![0.0, 1.0, 2.0],
             numbers: vec![key(0.0, 1.0), key(2.0, -1.0), key(1.0, 0.5)],
-            join: Join::Cubic,
+            join: Join::CubicSpline,
         };
         let sample = |at: f64| DVec4::new(hermite(&old, at), 0.0, 0.0, 0.0);
         let time = |frame: usize| frame as f64 / 30.0;

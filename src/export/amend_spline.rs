@@ -100,7 +100,7 @@ fn corners(old: &RawKeys, from: usize, to: usize, time: &dyn Fn(usize) -> f64) -
 
 /// The keys of those places: old ones as they were, the others as the pieces between them are drawn.
 fn keys(old: &RawKeys, places: &[Place], slope: &dyn Fn(f64) -> DVec4, width: usize) -> RawKeys {
-    let mut made = RawKeys { times: Vec::new(), numbers: Vec::new(), join: Join::Cubic };
+    let mut made = RawKeys { times: Vec::new(), numbers: Vec::new(), join: Join::CubicSpline };
     let keep = |made: &mut RawKeys, index: usize| {
         made.times.push(old.times[index]);
         made.numbers.push(old.numbers[index].clone());
@@ -184,7 +184,7 @@ mod tests {
                 .map(|part| part as f32)
                 .collect()
         };
-        let old = RawKeys { numbers: (0..times.len()).map(numbers).collect(), join: Join::Cubic, times };
+        let old = RawKeys { numbers: (0..times.len()).map(numbers).collect(), join: Join::CubicSpline, times };
         let drawn = |keys: &RawKeys, at: f64| {
             let clock: Vec<f64> = keys.times.iter().map(|time| f64::from(*time)).collect();
             let values: Vec<DVec4> = keys.numbers.iter().map(|numbers| parts(numbers)[1]).collect();

@@ -8,9 +8,10 @@ use super::ExportError;
 use super::buffers::Joined;
 use super::glb::list;
 use crate::model::Target;
-use crate::rig::Rig;
 use crate::rig::nodes::globals;
+use crate::rig::{Fault, Rig};
 use glam::DAffine3;
+use gltf::json::{Index, Skin};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 
@@ -37,12 +38,8 @@ pub(super) fn add(
     let mut changes = Vec::new();
     let skins = rig.document.list("skins").len();
     for skin in 0..skins {
-        let joints: BTreeSet<usize> = rig.document.list("skins")[skin]["joints"]
-            .as_array()
-            .map(|joints| {
-                joints.iter().filter_map(Value::as_u64).filter_map(|joint| usize::try_from(joint).ok()).collect()
-            })
-            .unwrap_or_default();
+        let read: Skin = rig.document.typed("skins", skin, "skins").map_err(unreadable)?;
+        let joints: BTreeSet<usize> = read.joints.iter().map(Index::value).collect();
         let known = |joint: &usize| *joint < rig.nodes.len();
         let paths: Vec<Vec<usize>> = joints.iter().copied().filter(known).filter_map(between).collect();
         if paths.is_empty() || joints.contains(&index) {
@@ -57,7 +54,7 @@ pub(super) fn add(
         )];
         let nodes: BTreeSet<usize> = paths.into_iter().flatten().filter(|node| !joints.contains(node)).collect();
         new.extend(nodes.into_iter().map(|node| (node, bind[node])));
-        let matrices = matrices(rig, skin, &new)?;
+        let matrices = matrices(rig, &read, &new)?;
         let Some(fields) = list(root, "skins").get_mut(skin).and_then(Value::as_object_mut) else { continue };
         list(fields, "joints").extend(new.iter().map(|(node, _)| Value::from(*node)));
         if fields.contains_key("skeleton") {
@@ -80,17 +77,18 @@ pub(super) fn add(
 }
 
 /// The skin's inverse bind matrices and those of the new joints; `None` where it has none, which is the identity for all.
-fn matrices(rig: &Rig, skin: usize, new: &[(usize, DAffine3)]) -> Result<Option<Vec<f32>>, ExportError> {
-    let accessor = rig.document.list("skins")[skin]["inverseBindMatrices"].as_u64();
-    let Some(accessor) = accessor.and_then(|accessor| usize::try_from(accessor).ok()) else { return Ok(None) };
-    let read = rig.document.read_f32s(accessor, &format!("skins[{skin}].inverseBindMatrices"));
-    let mut values =
-        read.map_err(|fault| ExportError::Document { reason: fault.in_file("the rig").to_string() })?.values;
+fn matrices(rig: &Rig, skin: &Skin, new: &[(usize, DAffine3)]) -> Result<Option<Vec<f32>>, ExportError> {
+    let Some(accessor) = skin.inverse_bind_matrices else { return Ok(None) };
+    let mut values = rig.document.read_f32s(accessor.value(), "skins").map_err(unreadable)?.values;
     for (_, bind) in new {
         let inverse = glam::DMat4::from(bind.inverse()).to_cols_array();
         values.extend(inverse.map(|part| if part.is_finite() { part as f32 + 0.0 } else { 0.0 }));
     }
     Ok(Some(values))
+}
+
+fn unreadable(fault: Fault) -> ExportError {
+    ExportError::Document { reason: fault.in_file("the rig").to_string() }
 }
 
 fn names(rig: &Rig, carrier: Target, new: &[(usize, DAffine3)]) -> String {

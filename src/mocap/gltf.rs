@@ -47,7 +47,7 @@ impl Gltf {
             let what = format!("{} nodes: over {MOST_NODES} are too many for a skeleton", nodes.len());
             return Err(Fault::new("nodes", what).in_file(name).into());
         }
-        let skins = bind::read_skins(&document).map_err(|fault| fault.in_file(name))?;
+        let skins = bind::read_skins(&document, &nodes).map_err(|fault| fault.in_file(name))?;
         bind::set_bind_pose(&mut nodes, &skins);
         Ok(Gltf { document: Arc::new(document), nodes, rig: None })
     }

@@ -226,6 +226,8 @@ fn nodes(recording: &Recording, locals: &[Trs]) -> Vec<RigNode> {
             local: *local,
             bind: *local,
             has_matrix: false,
+            mesh: None,
+            skin: None,
         })
         .collect();
     for (index, parent) in recording.parents.iter().enumerate() {

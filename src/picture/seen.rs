@@ -7,7 +7,10 @@
 use crate::model::props::{Mesh, Prop, PropKey, Shape};
 use crate::model::{Clip, ClipReport};
 use crate::rig::Rig;
+use crate::rig::mesh::{attribute, vec3s};
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
+use gltf::Semantic;
+use gltf::json::Material;
 use serde_json::Value;
 
 /// m around what was stepped on.
@@ -62,9 +65,8 @@ fn nodes(rig: &Rig, clip: &Clip) -> Vec<Prop> {
         }
     }
     let props = found.iter().zip(keys).filter_map(|(&node, keys)| {
-        let json = &list[node];
-        let name = json["name"].as_str().unwrap_or_default().to_owned();
-        let (mesh, color) = mesh(rig, json)?;
+        let name = rig.nodes[node].name.clone().unwrap_or_default();
+        let (mesh, color) = mesh(rig, rig.nodes[node].mesh?)?;
         let ground = GROUNDS.contains(&name.as_str());
         Some(Prop { name, shape: Shape::Mesh(mesh), color, ground, keys })
     });
@@ -80,26 +82,22 @@ fn key(global: &DAffine3, time: f64) -> PropKey {
     PropKey { time, translation: global.translation, rotation, scale }
 }
 
-/// The triangles of a node's first primitive and their colour; `None` where they cannot be read.
-fn mesh(rig: &Rig, node: &Value) -> Option<(Mesh, [f32; 3])> {
+/// The triangles of a mesh's first primitive and their colour; `None` where they cannot be read.
+fn mesh(rig: &Rig, mesh: usize) -> Option<(Mesh, [f32; 3])> {
     let document = &rig.document;
-    let mesh = document.list("meshes").get(node["mesh"].as_u64()? as usize)?;
-    let primitive = mesh.pointer("/primitives/0")?;
-    let vectors = |name: &str| {
-        let accessor = primitive["attributes"][name].as_u64()? as usize;
-        let floats = document.read_f32s(accessor, name).ok().filter(|floats| floats.width == 3)?;
-        let all = floats.values.chunks_exact(3).map(|xyz| DVec3::new(xyz[0].into(), xyz[1].into(), xyz[2].into()));
-        Some(all.collect::<Vec<_>>())
-    };
-    let (positions, normals) = (vectors("POSITION")?, vectors("NORMAL")?);
-    let indices = document.read_indices(primitive["indices"].as_u64()? as usize, "indices").ok()?;
+    let drawn: gltf::json::Mesh = document.typed("meshes", mesh, "mesh").ok()?;
+    let primitive = drawn.primitives.first()?;
+    let vectors = |semantic: Semantic| vec3s(document, attribute(primitive, semantic)?, "a prop").ok();
+    let (positions, normals) = (vectors(Semantic::Positions)?, vectors(Semantic::Normals)?);
+    let indices = document.read_indices(primitive.indices?.value(), "indices").ok()?;
     let whole = positions.len() == normals.len() && indices.iter().all(|&index| (index as usize) < positions.len());
-    let color = primitive["material"].as_u64().and_then(|index| {
-        let material = document.list("materials").get(index as usize)?;
-        let factor = material.pointer("/pbrMetallicRoughness/baseColorFactor")?;
-        Some([0, 1, 2].map(|at| factor[at].as_f64().unwrap_or(0.5) as f32))
+    let material =
+        primitive.material.and_then(|at| document.typed::<Material>("materials", at.value(), "material").ok());
+    let color = material.map_or(STONE, |material| {
+        let [red, green, blue, _] = material.pbr_metallic_roughness.base_color_factor.0;
+        [red, green, blue]
     });
-    whole.then_some((Mesh { positions, normals, indices }, color.unwrap_or(STONE)))
+    whole.then_some((Mesh { positions, normals, indices }, color))
 }
 
 /// A plane that feet stood on, and where.

@@ -312,6 +312,8 @@ mod tests {
             local,
             bind: local,
             has_matrix: false,
+            mesh: None,
+            skin: None,
         };
         let mut nodes = vec![node(None, Trs { rotation: axes, scale: DVec3::splat(100.0), ..Trs::IDENTITY })];
         let mut mesh = Vec::new();

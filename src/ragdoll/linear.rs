@@ -1,4 +1,7 @@
 //! Small dense systems: six unknowns, by Gauss with pivots. Pure arithmetic.
+//!
+//! Not `nalgebra`'s: its LU multiplies by the reciprocal of a pivot where this one divides, and its solution differs in the last bits
+//! (of 993 of 1000 random systems), so every clip would; and it has no least pivot for singular ones.
 
 /// A 6 x 6 matrix, row by row.
 pub(super) type Matrix6 = [[f64; 6]; 6];

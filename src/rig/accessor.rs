@@ -2,9 +2,14 @@
 //!
 //! Nothing is allocated from a count that the bytes do not back; an accessor without bytes (zeros, sparse) is bounded.
 
-use super::document::{index_or, optional_index, required_index};
+use super::document::whole;
 use super::{Document, Fault};
-use serde_json::Value;
+use gltf::accessor::Item;
+use gltf::json::Accessor;
+use gltf::json::accessor::sparse::Sparse;
+use gltf::json::accessor::{ComponentType, GenericComponentType, IndexComponentType, Type};
+use gltf::json::buffer::View;
+use gltf::json::validation::Checked;
 
 /// Elements of an accessor that no bytes back.
 const MOST_UNBACKED: usize = 2_000_000;
@@ -35,22 +40,13 @@ impl Floats {
     }
 }
 
-/// Layout of an accessor.
+/// What an accessor's elements are made of.
 struct Layout {
-    component: Component,
+    component: ComponentType,
     normalized: bool,
+    /// Components an element.
     width: usize,
     count: usize,
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum Component {
-    I8,
-    U8,
-    I16,
-    U16,
-    U32,
-    F32,
 }
 
 impl Document {
@@ -58,39 +54,36 @@ impl Document {
     pub fn read_f32s(&self, accessor: usize, place: &str) -> Result<Floats, Fault> {
         let (layout, bytes) = self.dense(accessor, place)?;
         let size = layout.component.size();
-        let values = bytes.chunks_exact(size).map(|raw| layout.component.float(raw, layout.normalized)).collect();
+        let values = bytes.chunks_exact(size).map(|raw| number(layout.component, raw, layout.normalized)).collect();
         Ok(Floats { width: layout.width, values })
     }
 
     /// The whole numbers of an integer accessor: indices, joints. Flat, (elements x width).
     pub fn read_indices(&self, accessor: usize, place: &str) -> Result<Vec<u32>, Fault> {
         let (layout, bytes) = self.dense(accessor, place)?;
-        if !matches!(layout.component, Component::U8 | Component::U16 | Component::U32) {
+        if !matches!(layout.component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32) {
             let what = "must hold unsigned integers (componentType 5121, 5123 or 5125)";
             return Err(Fault::new(format!("accessors[{accessor}].componentType"), what));
         }
         let size = layout.component.size();
-        Ok(bytes.chunks_exact(size).map(|raw| layout.component.whole(raw)).collect())
+        Ok(bytes.chunks_exact(size).map(|raw| unsigned(layout.component, raw)).collect())
     }
 
     /// How many elements the accessor says it has.
     pub fn accessor_count(&self, accessor: usize, place: &str) -> Result<usize, Fault> {
-        required_index(self.entry("accessors", accessor, place)?, "count", &format!("accessors[{accessor}]"))
+        Ok(whole(self.typed::<Accessor>("accessors", accessor, place)?.count))
     }
 
     /// The elements, packed tightly, sparse values put in.
     fn dense(&self, accessor: usize, place: &str) -> Result<(Layout, Vec<u8>), Fault> {
-        let json = self.entry("accessors", accessor, place)?;
+        let json: Accessor = self.typed("accessors", accessor, place)?;
         let place = format!("accessors[{accessor}]");
-        let layout = layout(json, &place)?;
+        let layout = layout(&json, &place)?;
         let element = layout.width * layout.component.size();
-        let mut bytes = match optional_index(json, "bufferView", &place)? {
+        let mut bytes = match json.buffer_view {
             Some(view) => {
-                let start = index_or(json, "byteOffset", 0, &place)?;
-                let at = format!("bufferViews[{view}]");
-                let entry = self.entry("bufferViews", view, &format!("{place}.bufferView"))?;
-                let stride = optional_index(entry, "byteStride", &at)?;
-                self.strided(view, start, stride, element, layout.count, &place)?
+                let start = json.byte_offset.map_or(0, whole);
+                self.strided(view.value(), start, false, element, layout.count, &place)?
             }
             None if layout.count > MOST_UNBACKED => {
                 let what = format!("{} elements without a bufferView: at most {MOST_UNBACKED} are read", layout.count);
@@ -98,33 +91,35 @@ impl Document {
             }
             None => vec![0; layout.count * element],
         };
-        if let Some(sparse) = json.get("sparse") {
+        if let Some(sparse) = &json.sparse {
             self.put_sparse(sparse, &layout, &mut bytes, &format!("{place}.sparse"))?;
         }
         Ok((layout, bytes))
     }
 
+    /// `count` elements of a view without the gaps between them. `packed`: there are none, whatever stride the view gives.
     fn strided(
         &self,
-        view: usize,
+        index: usize,
         start: usize,
-        stride: Option<usize>,
+        packed: bool,
         element: usize,
         count: usize,
         place: &str,
     ) -> Result<Vec<u8>, Fault> {
-        let bytes = self.view(view, &format!("{place}.bufferView"))?;
-        let stride = stride.unwrap_or(element);
+        let view: View = self.typed("bufferViews", index, &format!("{place}.bufferView"))?;
+        let bytes = self.bytes_of(&view, index)?;
+        let stride = view.byte_stride.filter(|_| !packed).map_or(element, |stride| stride.0);
         if stride < element {
             let what = format!("is {stride}, less than an element of {element} bytes");
-            return Err(Fault::new(format!("bufferViews[{view}].byteStride"), what));
+            return Err(Fault::new(format!("bufferViews[{index}].byteStride"), what));
         }
         let needed = count.checked_sub(1).and_then(|last| last.checked_mul(stride)?.checked_add(element));
         match needed.map_or(Some(0), |needed| needed.checked_add(start)) {
             Some(end) if end <= bytes.len() => {}
             _ => {
                 let what = format!(
-                    "{count} elements of {element} bytes from {start}, {stride} apart, do not fit bufferViews[{view}] of {} bytes",
+                    "{count} elements of {element} bytes from {start}, {stride} apart, do not fit bufferViews[{index}] of {} bytes",
                     bytes.len()
                 );
                 return Err(Fault::new(place, what));
@@ -133,33 +128,26 @@ impl Document {
         if count > 0 && stride == element {
             return Ok(bytes[start..start + count * element].to_vec());
         }
-        let mut packed = Vec::with_capacity(count * element);
-        for index in 0..count {
-            let at = start + index * stride;
-            packed.extend_from_slice(&bytes[at..at + element]);
+        let mut dense = Vec::with_capacity(count * element);
+        for at in (0..count).map(|nth| start + nth * stride) {
+            dense.extend_from_slice(&bytes[at..at + element]);
         }
-        Ok(packed)
+        Ok(dense)
     }
 
-    fn put_sparse(&self, sparse: &Value, layout: &Layout, bytes: &mut [u8], place: &str) -> Result<(), Fault> {
-        let count = required_index(sparse, "count", place)?;
-        let part = |name: &str| sparse.get(name).ok_or_else(|| Fault::new(place, format!("has no {name}")));
-        let (indices, values) = (part("indices")?, part("values")?);
+    fn put_sparse(&self, sparse: &Sparse, layout: &Layout, bytes: &mut [u8], place: &str) -> Result<(), Fault> {
+        let (count, indices, values) = (whole(sparse.count), &sparse.indices, &sparse.values);
         let at = format!("{place}.indices");
-        let component = component(required_index(indices, "componentType", &at)?, &at)?;
-        if !matches!(component, Component::U8 | Component::U16 | Component::U32) {
+        let Checked::Valid(IndexComponentType(component)) = indices.component_type else {
             return Err(Fault::new(format!("{at}.componentType"), "must be 5121, 5123 or 5125"));
-        }
-        let start = index_or(indices, "byteOffset", 0, &at)?;
-        let view = required_index(indices, "bufferView", &at)?;
-        let indices = self.strided(view, start, None, component.size(), count, &at)?;
-        let at = format!("{place}.values");
+        };
+        let (view, start) = (indices.buffer_view.value(), whole(indices.byte_offset));
+        let indices = self.strided(view, start, true, component.size(), count, &at)?;
         let element = layout.width * layout.component.size();
-        let start = index_or(values, "byteOffset", 0, &at)?;
-        let view = required_index(values, "bufferView", &at)?;
-        let values = self.strided(view, start, None, element, count, &at)?;
+        let (view, start) = (values.buffer_view.value(), whole(values.byte_offset));
+        let values = self.strided(view, start, true, element, count, &format!("{place}.values"))?;
         for (raw, value) in indices.chunks_exact(component.size()).zip(values.chunks_exact(element)) {
-            let index = component.whole(raw) as usize;
+            let index = unsigned(component, raw) as usize;
             match bytes.get_mut(index * element..(index + 1) * element) {
                 Some(target) => target.copy_from_slice(value),
                 None => {
@@ -172,67 +160,39 @@ impl Document {
     }
 }
 
-fn layout(json: &Value, place: &str) -> Result<Layout, Fault> {
-    let kind = json.get("type").and_then(Value::as_str).unwrap_or("");
-    let width = match kind {
-        "SCALAR" => 1,
-        "VEC2" => 2,
-        "VEC3" => 3,
-        "VEC4" | "MAT2" => 4,
-        "MAT3" => 9,
-        "MAT4" => 16,
-        _ => return Err(Fault::new(format!("{place}.type"), "must be SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4")),
+fn layout(accessor: &Accessor, place: &str) -> Result<Layout, Fault> {
+    let Checked::Valid(kind) = accessor.type_ else {
+        return Err(Fault::new(format!("{place}.type"), "must be SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4"));
     };
-    let component = component(required_index(json, "componentType", place)?, place)?;
-    if matches!(kind, "MAT2" | "MAT3") && component.size() < 4 {
-        return Err(Fault::new(format!("{place}.componentType"), "small matrices of small integers are not read"));
+    let at = || format!("{place}.componentType");
+    let Checked::Valid(GenericComponentType(component)) = accessor.component_type else {
+        return Err(Fault::new(at(), "must be 5120, 5121, 5122, 5123, 5125 or 5126"));
+    };
+    if matches!(kind, Type::Mat2 | Type::Mat3) && component.size() < 4 {
+        return Err(Fault::new(at(), "small matrices of small integers are not read"));
     }
-    Ok(Layout {
-        component,
-        normalized: json.get("normalized").and_then(Value::as_bool).unwrap_or(false),
-        width,
-        count: required_index(json, "count", place)?,
-    })
+    let (width, count) = (kind.multiplicity(), whole(accessor.count));
+    Ok(Layout { component, normalized: accessor.normalized, width, count })
 }
 
-fn component(code: usize, place: &str) -> Result<Component, Fault> {
-    Ok(match code {
-        5120 => Component::I8,
-        5121 => Component::U8,
-        5122 => Component::I16,
-        5123 => Component::U16,
-        5125 => Component::U32,
-        5126 => Component::F32,
-        _ => {
-            let what = format!("is {code}: must be 5120, 5121, 5122, 5123, 5125 or 5126");
-            return Err(Fault::new(format!("{place}.componentType"), what));
-        }
-    })
+/// An unsigned integer; the bits of any other.
+fn unsigned(component: ComponentType, raw: &[u8]) -> u32 {
+    match component {
+        ComponentType::I8 | ComponentType::U8 => u8::from_slice(raw).into(),
+        ComponentType::I16 | ComponentType::U16 => u16::from_slice(raw).into(),
+        ComponentType::U32 | ComponentType::F32 => u32::from_slice(raw),
+    }
 }
 
-impl Component {
-    fn size(self) -> usize {
-        match self {
-            Component::I8 | Component::U8 => 1,
-            Component::I16 | Component::U16 => 2,
-            Component::U32 | Component::F32 => 4,
-        }
-    }
-
-    fn whole(self, raw: &[u8]) -> u32 {
-        raw.iter().rev().fold(0, |sum, byte| (sum << 8) | u32::from(*byte))
-    }
-
-    fn float(self, raw: &[u8], normalized: bool) -> f32 {
-        let whole = self.whole(raw);
-        let (value, most) = match self {
-            Component::F32 => return f32::from_bits(whole),
-            Component::I8 => (f32::from(whole as u8 as i8), 127.0),
-            Component::U8 => (whole as f32, 255.0),
-            Component::I16 => (f32::from(whole as u16 as i16), 32767.0),
-            Component::U16 => (whole as f32, 65535.0),
-            Component::U32 => (whole as f32, 4_294_967_295.0),
-        };
-        if normalized { (value / most).max(-1.0) } else { value }
-    }
+/// A number; a normalised integer divided as glTF 2.0, 3.6.2.2 says: the crate multiplies by the reciprocal, which is off by a bit.
+fn number(component: ComponentType, raw: &[u8], normalized: bool) -> f32 {
+    let (value, most) = match component {
+        ComponentType::F32 => return f32::from_slice(raw),
+        ComponentType::I8 => (f32::from(i8::from_slice(raw)), 127.0),
+        ComponentType::U8 => (f32::from(u8::from_slice(raw)), 255.0),
+        ComponentType::I16 => (f32::from(i16::from_slice(raw)), 32767.0),
+        ComponentType::U16 => (f32::from(u16::from_slice(raw)), 65535.0),
+        ComponentType::U32 => (u32::from_slice(raw) as f32, 4_294_967_295.0),
+    };
+    if normalized { (value / most).max(-1.0) } else { value }
 }

@@ -9,6 +9,7 @@ pub use super::sampler::{SampledPose, Sampler, hermite, slerp};
 use super::{Rig, RigNode, Trs};
 use crate::model::{BodyPose, Clip, Role};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
+use gltf::json::Scene;
 
 /// Which node carries the root motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,18 +97,15 @@ impl Rig {
     /// have no children (a parent moves no skinned mesh, and validators warn of one).
     pub fn new_root_children(&self) -> Vec<usize> {
         let hips_root = self.scene_root(self.hips_node());
-        let scenes: Vec<Vec<usize>> = self.document.json["scenes"].as_array().map_or_else(Vec::new, |scenes| {
-            let listed = |scene: &serde_json::Value| {
-                scene["nodes"].as_array().map(|nodes| nodes.iter().filter_map(index).collect())
-            };
-            scenes.iter().map(|scene| listed(scene).unwrap_or_default()).collect()
-        });
+        let scene = |index| self.document.typed::<Scene>("scenes", index, "scenes").ok();
+        let listed = |scene: Option<Scene>| scene.into_iter().flat_map(|scene| scene.nodes).map(|node| node.value());
+        let scenes: Vec<Vec<usize>> =
+            (0..self.document.list("scenes").len()).map(|index| listed(scene(index)).collect()).collect();
         let in_scenes = |node: usize| -> Vec<bool> { scenes.iter().map(|nodes| nodes.contains(&node)).collect() };
         let ours = in_scenes(hips_root);
         (0..self.nodes.len())
             .filter(|node| {
-                let json = &self.document.json["nodes"][*node];
-                let bare_skin = json.get("skin").is_some() && self.nodes[*node].children.is_empty();
+                let bare_skin = self.nodes[*node].skin.is_some() && self.nodes[*node].children.is_empty();
                 *node == hips_root || (self.nodes[*node].parent.is_none() && !bare_skin && in_scenes(*node) == ours)
             })
             .collect()
@@ -163,10 +161,6 @@ impl Rig {
         }
         under
     }
-}
-
-fn index(value: &serde_json::Value) -> Option<usize> {
-    value.as_u64().and_then(|value| usize::try_from(value).ok())
 }
 
 impl RootMove {

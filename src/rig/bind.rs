@@ -6,11 +6,9 @@
 //! they stand in another pose, W is one of the transforms that cannot move with the pose (none, the mesh's node, the
 //! parent of the topmost joint), the one that leaves bone sizes and the body's heading as the nodes have them.
 
-use super::document::{as_index, optional_index};
 use super::nodes::{decompose, globals, order};
-use super::{Document, Fault, RigNode};
+use super::{Document, Fault, Rig, RigNode};
 use glam::{DAffine3, DMat4, DQuat, DVec3};
-use serde_json::Value;
 
 /// Relative to the skeleton's size: transforms nearer than this are the same.
 const SAME: f64 = 2e-3;
@@ -31,32 +29,25 @@ pub struct Skin {
 }
 
 /// The skins of the document, checked.
-pub fn read_skins(document: &Document) -> Result<Vec<Skin>, Fault> {
-    let nodes = document.list("nodes");
+pub fn read_skins(document: &Document, nodes: &[RigNode]) -> Result<Vec<Skin>, Fault> {
     let (mut skins, mut matrices) = (Vec::new(), 0_usize);
-    for (index, json) in document.list("skins").iter().enumerate() {
+    for index in 0..document.list("skins").len() {
         let place = format!("skins[{index}]");
-        let list = json.get("joints").and_then(Value::as_array);
-        let list = list.ok_or_else(|| Fault::new(format!("{place}.joints"), "must be an array of node indices"))?;
-        let mut joints = Vec::with_capacity(list.len());
-        for (at, joint) in list.iter().enumerate() {
-            match as_index(joint) {
-                Some(node) if node < nodes.len() => joints.push(node),
-                _ => {
-                    let what = format!("is no node: there are {}", nodes.len());
-                    return Err(Fault::new(format!("{place}.joints[{at}]"), what));
-                }
-            }
+        let skin: gltf::json::Skin = document.typed("skins", index, &place)?;
+        let joints: Vec<usize> = skin.joints.iter().map(gltf::json::Index::value).collect();
+        if let Some(at) = joints.iter().position(|joint| *joint >= nodes.len()) {
+            let what = format!("is no node: there are {}", nodes.len());
+            return Err(Fault::new(format!("{place}.joints[{at}]"), what));
         }
-        let inverse_binds = match optional_index(json, "inverseBindMatrices", &place)? {
+        let inverse_binds = match skin.inverse_bind_matrices {
             None => Vec::new(),
             Some(accessor) => {
                 let at = format!("{place}.inverseBindMatrices");
-                matrices = matrices.saturating_add(document.accessor_count(accessor, &at)?);
+                matrices = matrices.saturating_add(document.accessor_count(accessor.value(), &at)?);
                 if matrices > MOST_MATRICES {
                     return Err(Fault::new(at, format!("over {MOST_MATRICES} matrices: too large for a rig")));
                 }
-                let floats = document.read_f32s(accessor, &at)?;
+                let floats = document.read_f32s(accessor.value(), &at)?;
                 if floats.width != 16 || floats.len() < joints.len() {
                     return Err(Fault::new(at, format!("must be {} MAT4, one a joint", joints.len())));
                 }
@@ -66,14 +57,22 @@ pub fn read_skins(document: &Document) -> Result<Vec<Skin>, Fault> {
         skins.push(Skin { joints, inverse_binds, users: Vec::new() });
     }
     for (index, node) in nodes.iter().enumerate() {
-        let place = format!("nodes[{index}]");
-        if let Some(skin) = optional_index(node, "skin", &place)? {
-            let count = skins.len();
-            let what = || Fault::new(format!("{place}.skin"), format!("is {skin}, but there are {count} skins"));
+        if let Some(skin) = node.skin {
+            let (place, count) = (format!("nodes[{index}].skin"), skins.len());
+            let what = || Fault::new(place, format!("is {skin}, but there are {count} skins"));
             skins.get_mut(skin).ok_or_else(what)?.users.push(index);
         }
     }
     Ok(skins)
+}
+
+impl Rig {
+    /// The nodes that skins bind vertices to.
+    pub fn skin_joints(&self) -> Vec<usize> {
+        let skin = |index| self.document.typed::<gltf::json::Skin>("skins", index, "skins").ok();
+        let skins = (0..self.document.list("skins").len()).filter_map(skin);
+        skins.flat_map(|skin| skin.joints).map(|joint| joint.value()).collect()
+    }
 }
 
 /// Sets `bind` of every node from the skins, and says what was odd.

@@ -4,11 +4,14 @@
 //! LINEAR (rotations along the shorter arc), STEP and CUBICSPLINE; a [`Clip`] knows no splines, so there they are cut into short
 //! straight lines. Leaves out morph weights, and what extensions animate (`KHR_animation_pointer`), with a note.
 
-use super::document::required_index;
+use super::entry::read;
 use super::sampler::{hermite, slerp};
 use super::{Document, Fault, Rig, Trs};
 use crate::model::{Channel, Clip, Interpolation, KeyValues, Target};
 use glam::{DQuat, DVec3, DVec4};
+pub use gltf::animation::{Interpolation as Join, Property};
+use gltf::json::animation::Sampler;
+use gltf::json::validation::Checked;
 use serde_json::Value;
 
 /// Numbers of a clip's keys that are read at most: 64 MiB of them.
@@ -56,24 +59,6 @@ pub struct RawKeys {
     pub join: Join,
 }
 
-/// What moves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[expect(missing_docs, reason = "plain")]
-pub enum Property {
-    Translation,
-    Rotation,
-    Scale,
-}
-
-/// glTF's interpolations.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[expect(missing_docs, reason = "plain")]
-pub enum Join {
-    Linear,
-    Step,
-    Cubic,
-}
-
 /// Names of the clips, by index; "" where one has none.
 pub fn clip_names(rig: &Rig) -> Vec<String> {
     names_in(&rig.document)
@@ -102,38 +87,38 @@ pub fn read_tracks(document: &Document, nodes: usize, index: usize) -> Result<Tr
     let name = animation.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
     let mut tracks = Tracks { name, of_node: vec![[None; 3]; nodes], ..Tracks::default() };
     let (mut foreign, mut numbers) = (0, 0);
-    for (at, channel) in list("channels").iter().enumerate() {
+    for (at, json) in list("channels").iter().enumerate() {
         let place = format!("{place}.channels[{at}]");
-        let Some(target) = channel.get("target") else { return Err(Fault::new(&place, "has no target")) };
-        let path = target.get("path").and_then(Value::as_str);
-        if target.get("node").is_none() {
-            foreign += 1; // an extension's business
+        // An extension's business (KHR_animation_pointer) or nobody's; the crate's `Channel` must have a node and a path.
+        let says = |target: &Value| target.get("node").is_some() && target.get("path").is_some_and(Value::is_string);
+        if json.get("target").is_some_and(|target| !says(target)) {
+            foreign += 1;
             continue;
         }
-        let node = required_index(target, "node", &format!("{place}.target"))?;
+        let gltf::json::animation::Channel { target, sampler, .. } = read(json, &place)?;
+        let node = target.node.value();
         if node >= nodes {
             return Err(Fault::new(format!("{place}.target.node"), format!("node {node} is not there")));
         }
-        let property = match path {
-            Some("translation") => Property::Translation,
-            Some("rotation") => Property::Rotation,
-            Some("scale") => Property::Scale,
-            Some("pointer") => {
+        let property = match target.path {
+            Checked::Valid(Property::MorphTargetWeights) => continue,
+            Checked::Valid(property) => property,
+            Checked::Invalid => {
                 foreign += 1;
                 continue;
             }
-            _ => continue,
         };
-        let sampler = required_index(channel, "sampler", &place)?;
-        let Some(sampler) = list("samplers").get(sampler) else {
+        let sampler = sampler.value();
+        let Some(json) = list("samplers").get(sampler) else {
             return Err(Fault::new(format!("{place}.sampler"), format!("sampler {sampler} is not there")));
         };
-        let Some(track) = read_track(document, sampler, node, property, &place)? else { continue };
+        let sampler: Sampler = read(json, &format!("animations[{index}].samplers[{sampler}]"))?;
+        let Some(track) = read_track(document, &sampler, node, property, &place)? else { continue };
         numbers += track.values.len() + track.times.len();
         if numbers > MOST_NUMBERS {
             return Err(Fault::new(place, format!("over {MOST_NUMBERS} numbers in one clip: too large")));
         }
-        let slot = &mut tracks.of_node[node][property as usize];
+        let slot = &mut tracks.of_node[node][slot(property)];
         if slot.is_none() {
             *slot = Some(tracks.list.len());
             tracks.list.push(track);
@@ -150,19 +135,19 @@ pub fn read_tracks(document: &Document, nodes: usize, index: usize) -> Result<Tr
 /// `None` for a channel without keys.
 fn read_track(
     document: &Document,
-    sampler: &Value,
+    sampler: &Sampler,
     node: usize,
     property: Property,
     place: &str,
 ) -> Result<Option<Track>, Fault> {
-    let times = document.read_f32s(required_index(sampler, "input", place)?, place)?;
-    let values = document.read_f32s(required_index(sampler, "output", place)?, place)?;
-    let (join, stride) = match sampler.get("interpolation").and_then(Value::as_str) {
-        Some("STEP") => (Join::Step, 1),
-        Some("CUBICSPLINE") => (Join::Cubic, 3),
-        _ => (Join::Linear, 1),
+    let times = document.read_f32s(sampler.input.value(), place)?;
+    let values = document.read_f32s(sampler.output.value(), place)?;
+    let join = match sampler.interpolation {
+        Checked::Valid(join) => join,
+        Checked::Invalid => Join::Linear,
     };
-    let enough = values.len() >= times.len() * stride && (values.is_empty() || values.width == property.width());
+    let (stride, width) = (if join == Join::CubicSpline { 3 } else { 1 }, width(property));
+    let enough = values.len() >= times.len() * stride && (values.is_empty() || values.width == width);
     let rising = times.width == 1 && times.values.windows(2).all(|pair| pair[0] <= pair[1]);
     if !enough || !rising || !times.values.iter().all(|time| time.is_finite()) {
         return Err(Fault::new(place, "needs rising times and a value for each"));
@@ -174,7 +159,7 @@ fn read_track(
         return Ok(None);
     }
     let mut numbers = values.values;
-    numbers.truncate(times.values.len() * stride * property.width());
+    numbers.truncate(times.values.len() * stride * width);
     Ok(Some(Track { node, property, join, times: times.values, values: numbers }))
 }
 
@@ -207,10 +192,18 @@ impl Tracks {
     }
 }
 
-impl Property {
-    fn width(self) -> usize {
-        if self == Property::Rotation { 4 } else { 3 }
+/// Where a property stands among a node's three.
+fn slot(property: Property) -> usize {
+    match property {
+        Property::Translation => 0,
+        Property::Rotation => 1,
+        Property::Scale | Property::MorphTargetWeights => 2,
     }
+}
+
+/// Numbers a value.
+fn width(property: Property) -> usize {
+    if property == Property::Rotation { 4 } else { 3 }
 }
 
 impl Track {
@@ -219,7 +212,7 @@ impl Track {
         let (from, to, share) = self.place(time);
         let unit = |four: DVec4| DQuat::from_vec4(four.try_normalize().unwrap_or(DVec4::W));
         match self.join {
-            Join::Cubic if share > 0.0 => unit(self.spline(from, to, share)),
+            Join::CubicSpline if share > 0.0 => unit(self.spline(from, to, share)),
             _ if share > 0.0 => slerp(unit(self.value(from)), unit(self.value(to)), share),
             _ => unit(self.value(from)),
         }
@@ -229,7 +222,7 @@ impl Track {
     pub fn vector(&self, time: f64) -> DVec3 {
         let (from, to, share) = self.place(time);
         match self.join {
-            Join::Cubic if share > 0.0 => self.spline(from, to, share).truncate(),
+            Join::CubicSpline if share > 0.0 => self.spline(from, to, share).truncate(),
             _ if share > 0.0 => self.value(from).lerp(self.value(to), share).truncate(),
             _ => self.value(from).truncate(),
         }
@@ -237,7 +230,7 @@ impl Track {
 
     /// The keys as the file has them.
     pub fn keys(&self) -> RawKeys {
-        let width = self.property.width() * if self.join == Join::Cubic { 3 } else { 1 };
+        let width = width(self.property) * if self.join == Join::CubicSpline { 3 } else { 1 };
         let numbers = self.values.chunks_exact(width).map(<[f32]>::to_vec).collect();
         RawKeys { times: self.times.clone(), numbers, join: self.join }
     }
@@ -254,11 +247,11 @@ impl Track {
     }
 
     fn value(&self, key: usize) -> DVec4 {
-        if self.join == Join::Cubic { self.number(3 * key + 1) } else { self.number(key) }
+        if self.join == Join::CubicSpline { self.number(3 * key + 1) } else { self.number(key) }
     }
 
     fn number(&self, element: usize) -> DVec4 {
-        let width = self.property.width();
+        let width = width(self.property);
         let at = |part: usize| f64::from(self.values[element * width + part]);
         DVec4::new(at(0), at(1), at(2), if width == 4 { at(3) } else { 0.0 })
     }
@@ -273,7 +266,7 @@ impl Track {
     fn channel(&self) -> Channel {
         let mut times: Vec<f32> = Vec::with_capacity(self.times.len());
         for (key, time) in self.times.iter().enumerate() {
-            if self.join == Join::Cubic && key > 0 {
+            if self.join == Join::CubicSpline && key > 0 {
                 let (from, to) = (f64::from(self.times[key - 1]), f64::from(*time));
                 let lines = (((to - from) / LINE).ceil() as usize).clamp(1, MOST_LINES);
                 times.extend((1..lines).map(|line| (from + (to - from) * line as f64 / lines as f64) as f32));
@@ -285,12 +278,12 @@ impl Track {
         let triple = |vector: DVec3| [vector.x as f32, vector.y as f32, vector.z as f32];
         let vectors = || times.iter().map(|time| triple(self.vector(at(time)))).collect();
         let values = match self.property {
-            Property::Translation => KeyValues::Translation(vectors()),
             Property::Scale => KeyValues::Scale(vectors()),
             Property::Rotation => {
                 let four = |turn: DQuat| [turn.x as f32, turn.y as f32, turn.z as f32, turn.w as f32];
                 KeyValues::Rotation(times.iter().map(|time| four(self.rotation(at(time)))).collect())
             }
+            _ => KeyValues::Translation(vectors()),
         };
         let interpolation = if self.join == Join::Step { Interpolation::Step } else { Interpolation::Linear };
         Channel { target: Target::Node(self.node), times, values, interpolation }
@@ -309,7 +302,7 @@ mod tests {
     fn a_spline_follows_its_tangents_and_not_a_straight_line() {
         // From 0 to 1 in 2 s, leaving at 3 units a second, arriving at rest.
         let values = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 9.0, 9.0, 9.0];
-        let track = track(Property::Translation, Join::Cubic, &[1.0, 3.0], &values);
+        let track = track(Property::Translation, Join::CubicSpline, &[1.0, 3.0], &values);
         // t = 1/2: v 1/2, tangent 3 * 2 s * 1/8.
         assert!((track.vector(2.0).x - (0.5 + 0.75)).abs() < 1e-12, "{}", track.vector(2.0));
         assert_eq!((track.vector(0.0).x, track.vector(9.0).x), (0.0, 1.0), "held outside");
@@ -343,7 +336,7 @@ mod tests {
         let mut values = vec![0.0; 24];
         (values[7], values[16], values[19]) = (1.0, half, (0.5_f32).cos());
         (values[8], values[13]) = (2.0, -1.0);
-        let cubic = track(Property::Rotation, Join::Cubic, &[0.0, 1.0], &values);
+        let cubic = track(Property::Rotation, Join::CubicSpline, &[0.0, 1.0], &values);
         for at in 0..=10 {
             assert!((cubic.rotation(f64::from(at) / 10.0).length() - 1.0).abs() < 1e-12);
         }

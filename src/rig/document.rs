@@ -3,9 +3,22 @@
 //! glTF 2.0 sections 3.6 (buffers), 4 (GLB). Reads .glb, .gltf and .vrm bytes; files beside it come through a function,
 //! so `parse` touches no disk; `read_file` is the folder's one way to it. Accessors are read in `accessor`; images are decoded in `images`.
 //! Leaves out meshopt and Draco compression: such a file is refused by the extension's name.
+//!
+//! Every entry (mesh, skin, accessor, ...) is read by the `gltf` crate's types, one at a time: see `entry`. The file as a whole is not
+//! read by the crate, and these stay by hand (`tests/gltf_crate.rs` holds a file for each):
+//! - the JSON is kept as it stands, because a bake appends to it: the crate's `Root` drops every key that it does not know;
+//! - one broken clip or material, a required extension such as VRM's, an index written `3.0`: the crate refuses the file;
+//! - an index beyond the end of its list, a stride shorter than its element: the crate panics; bytes that are missing: it reads nothing,
+//!   and does not say where;
+//! - normalised integers and the transforms of nodes: the crate's are off in the last bit, or rounded to f32, and would change clips;
+//! - channels without a node (`KHR_animation_pointer`), chunks of another kind in a GLB: the crate refuses them;
+//! - what it has no types for: VRM's humanoids, and what this program writes into `extras`.
 
 use super::{Document, Fault, RigError};
 use base64::Engine;
+use gltf::json::Buffer;
+use gltf::json::buffer::View;
+use gltf::json::validation::USize64;
 use serde_json::Value;
 
 /// Reads a file that the document points to: the decoded relative path, as in `textures/skin.png`.
@@ -59,16 +72,18 @@ impl Document {
 
     /// The bytes of a buffer view: exactly its `byteLength`.
     pub fn view(&self, index: usize, place: &str) -> Result<&[u8], Fault> {
-        let view = self.entry("bufferViews", index, place)?;
-        let place = format!("bufferViews[{index}]");
-        let buffer = required_index(view, "buffer", &place)?;
+        self.bytes_of(&self.typed("bufferViews", index, place)?, index)
+    }
+
+    /// The bytes of that buffer view.
+    pub(super) fn bytes_of(&self, view: &View, index: usize) -> Result<&[u8], Fault> {
+        let (place, buffer) = (format!("bufferViews[{index}]"), view.buffer.value());
         let bytes = self.buffers.get(buffer).ok_or_else(|| {
             Fault::new(format!("{place}.buffer"), format!("is {buffer}, but there are {} buffers", self.buffers.len()))
         })?;
-        let declared = self.list("buffers").get(buffer).and_then(|buffer| buffer.get("byteLength"));
-        let size = declared.and_then(as_index).map_or(bytes.len(), |declared| declared.min(bytes.len()));
-        let start = index_or(view, "byteOffset", 0, &place)?;
-        let length = required_index(view, "byteLength", &place)?;
+        let declared = self.typed::<Buffer>("buffers", buffer, &place);
+        let size = declared.map_or(bytes.len(), |declared| whole(declared.byte_length).min(bytes.len()));
+        let (start, length) = (view.byte_offset.map_or(0, whole), whole(view.byte_length));
         match start.checked_add(length) {
             Some(end) if end <= size => Ok(&bytes[start..end]),
             _ => Err(Fault::new(
@@ -82,7 +97,10 @@ impl Document {
         let mut buffers = Vec::new();
         for (index, buffer) in self.list("buffers").iter().enumerate() {
             let place = format!("buffers[{index}]");
-            let length = required_index(buffer, "byteLength", &place)?;
+            if buffer.get("byteLength").is_none() {
+                return Err(Fault::new(place, "has no byteLength")); // 0 to the crate
+            }
+            let length = whole(self.typed::<Buffer>("buffers", index, &place)?.byte_length);
             let bytes = match (buffer.get("uri"), binary) {
                 (Some(uri), _) => {
                     let uri = uri.as_str().ok_or_else(|| Fault::new(format!("{place}.uri"), "must be a string"))?;
@@ -148,24 +166,9 @@ pub fn as_index(value: &Value) -> Option<usize> {
     value.as_u64().and_then(|number| usize::try_from(number).ok()).or_else(|| value.as_f64().and_then(whole))
 }
 
-/// The index in that field, if the field is there.
-pub fn optional_index(object: &Value, field: &str, place: &str) -> Result<Option<usize>, Fault> {
-    match object.get(field) {
-        None => Ok(None),
-        Some(value) => as_index(value)
-            .map(Some)
-            .ok_or_else(|| Fault::new(format!("{place}.{field}"), "must be a whole number from 0 up")),
-    }
-}
-
-/// The index in that field, which must be there.
-pub fn required_index(object: &Value, field: &str, place: &str) -> Result<usize, Fault> {
-    optional_index(object, field, place)?.ok_or_else(|| Fault::new(place, format!("has no {field}")))
-}
-
-/// The number in that field, or a default.
-pub fn index_or(object: &Value, field: &str, default: usize, place: &str) -> Result<usize, Fault> {
-    Ok(optional_index(object, field, place)?.unwrap_or(default))
+/// A count or offset of the crate's.
+pub fn whole(size: USize64) -> usize {
+    usize::try_from(size.0).unwrap_or(usize::MAX)
 }
 
 /// The JSON and, in a GLB, the BIN chunk.

@@ -63,8 +63,8 @@ impl<'a> Tree<'a> {
         let mut is_joint = vec![false; nodes.len()];
         skins.iter().flat_map(|skin| &skin.joints).for_each(|joint| is_joint[*joint] = true);
         if !is_joint.contains(&true) {
-            for (joint, json) in is_joint.iter_mut().zip(document.list("nodes")) {
-                *joint = json.get("mesh").is_none() && json.get("camera").is_none();
+            for ((joint, node), json) in is_joint.iter_mut().zip(nodes).zip(document.list("nodes")) {
+                *joint = node.mesh.is_none() && json.get("camera").is_none();
             }
         }
         let joints: Vec<usize> = super::nodes::order(nodes).into_iter().filter(|node| is_joint[*node]).collect();

@@ -1,7 +1,8 @@
 //! Images of the base colours, decoded for pictures. Best effort: what cannot be read stays `None`, never an error.
 
-use super::document::{Resolve, as_index, fetch};
+use super::document::{Resolve, fetch};
 use super::{Document, MeshPart};
+use gltf::json::Image;
 use image::{ImageReader, RgbaImage};
 use std::io::Cursor;
 
@@ -25,16 +26,16 @@ pub fn decode(document: &mut Document, parts: &[MeshPart], resolve: &Resolve) {
 
 /// The files of images with a uri of their own, undecoded, by image index: an exported GLB takes them in.
 pub fn files(document: &Document, resolve: &Resolve) -> Vec<Option<Vec<u8>>> {
-    let uri = |image: &serde_json::Value| image.get("uri").and_then(|uri| uri.as_str().map(str::to_owned));
+    let uri = |index: usize| document.typed::<Image>("images", index, "images").ok()?.uri;
     let outer = |uri: &String| !uri.starts_with("data:");
-    document.list("images").iter().map(|image| fetch(&uri(image).filter(outer)?, resolve).ok()).collect()
+    (0..document.list("images").len()).map(|index| fetch(&uri(index).filter(outer)?, resolve).ok()).collect()
 }
 
 fn bytes(document: &Document, index: usize, resolve: &Resolve) -> Option<Vec<u8>> {
-    let image = document.list("images").get(index)?;
-    match image.get("bufferView").and_then(as_index) {
-        Some(view) => document.view(view, "images").ok().map(<[u8]>::to_vec),
-        None => fetch(image.get("uri")?.as_str()?, resolve).ok(),
+    let image: Image = document.typed("images", index, "images").ok()?;
+    match image.buffer_view {
+        Some(view) => document.view(view.value(), "images").ok().map(<[u8]>::to_vec),
+        None => fetch(&image.uri?, resolve).ok(),
     }
 }
 

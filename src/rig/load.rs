@@ -46,7 +46,7 @@ pub fn load_bytes(name: &str, bytes: &[u8], resolve: &Resolve, overrides: Option
         return Err(RigError::WrongKind { file: name.into(), what: "is a VRM animation, not a rig".into(), remedy });
     }
     let mut nodes = nodes::read_nodes(&document).map_err(|fault| fault.in_file(name))?;
-    let skins = bind::read_skins(&document).map_err(|fault| fault.in_file(name))?;
+    let skins = bind::read_skins(&document, &nodes).map_err(|fault| fault.in_file(name))?;
     let mut warnings = bind::set_bind_pose(&mut nodes, &skins);
     let bind_globals = globals(&nodes, |node| node.bind);
     let (parts, notes) =

@@ -55,7 +55,7 @@ pub fn find(
             warnings: Vec::new(),
         });
     }
-    let rank = rank(document, nodes, skins);
+    let rank = rank(nodes, skins);
     if let Some(found) = names::match_tables(nodes, &rank, &given) {
         let notes: Vec<String> = found
             .without
@@ -190,12 +190,9 @@ fn broken_limb(nodes: &[RigNode], bones: &BTreeMap<Role, usize>) -> Option<Strin
 }
 
 /// Of nodes with the same name a joint of a skin counts most, then one with children, then one that draws nothing.
-fn rank(document: &Document, nodes: &[RigNode], skins: &[Skin]) -> Vec<u8> {
-    let mut rank: Vec<u8> = nodes
-        .iter()
-        .zip(document.list("nodes"))
-        .map(|(node, json)| u8::from(!node.children.is_empty()) * 2 + u8::from(json.get("mesh").is_none()))
-        .collect();
+fn rank(nodes: &[RigNode], skins: &[Skin]) -> Vec<u8> {
+    let alone = |node: &RigNode| u8::from(!node.children.is_empty()) * 2 + u8::from(node.mesh.is_none());
+    let mut rank: Vec<u8> = nodes.iter().map(alone).collect();
     skins.iter().flat_map(|skin| &skin.joints).for_each(|joint| rank[*joint] |= 4);
     rank
 }

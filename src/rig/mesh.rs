@@ -5,10 +5,15 @@
 //! vertices than a rig has is cut off with a warning.
 
 use super::bind::Skin;
-use super::document::{as_index, optional_index};
 use super::{Document, Fault, MeshPart, RigNode, Similarity};
 use glam::{DAffine3, DVec2, DVec3};
+use gltf::json::mesh::Primitive;
+use gltf::json::validation::Checked;
+use gltf::json::{Index, Material, Mesh, Texture};
+use gltf::mesh::{Mode, Semantic};
 use serde_json::Value;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 /// Vertices read at most, over all parts; a guard against files that draw one mesh ten thousand times.
 const MOST_VERTICES: usize = 1_500_000;
@@ -29,24 +34,22 @@ pub fn read_parts(
 ) -> Result<(Vec<MeshPart>, Vec<String>), Fault> {
     let (mut parts, mut warnings) = (Vec::new(), Vec::new());
     let (mut vertices, mut corners, mut primitives_seen, mut broken) = (0_usize, 0_usize, 0, 0);
-    for (index, node) in document.list("nodes").iter().enumerate() {
-        let place = format!("nodes[{index}]");
-        let Some(mesh) = optional_index(node, "mesh", &place)? else { continue };
-        if node.pointer("/extras/surefoot/prop") == Some(&Value::Bool(true)) {
+    let mut meshes: BTreeMap<usize, Mesh> = BTreeMap::new(); // that many nodes may draw
+    for (index, (node, json)) in nodes.iter().zip(document.list("nodes")).enumerate() {
+        let Some(mesh) = node.mesh else { continue };
+        if json.pointer("/extras/surefoot/prop") == Some(&Value::Bool(true)) {
             continue; // a thing that a bake put beside the body
         }
-        let skin = optional_index(node, "skin", &place)?.and_then(|skin| skins.get(skin));
-        let entry = document.entry("meshes", mesh, &format!("{place}.mesh"))?;
-        let primitives = entry.get("primitives").and_then(Value::as_array);
-        let primitives =
-            primitives.ok_or_else(|| Fault::new(format!("meshes[{mesh}].primitives"), "must be an array"))?;
-        for (at, primitive) in primitives.iter().enumerate() {
+        let skin = node.skin.and_then(|skin| skins.get(skin));
+        if let Entry::Vacant(vacant) = meshes.entry(mesh) {
+            vacant.insert(document.typed("meshes", mesh, &format!("nodes[{index}].mesh"))?);
+        }
+        for (at, primitive) in meshes[&mesh].primitives.iter().enumerate() {
+            let Some(position) = attribute(primitive, Semantic::Positions) else { continue };
             let place = format!("meshes[{mesh}].primitives[{at}]");
-            let position = primitive.get("attributes").and_then(|attributes| attributes.get("POSITION"));
-            let Some(position) = position.and_then(as_index) else { continue };
             vertices = vertices.saturating_add(document.accessor_count(position, &place)?);
-            if let Some(indices) = optional_index(primitive, "indices", &place)? {
-                corners = corners.saturating_add(document.accessor_count(indices, &place)?);
+            if let Some(indices) = primitive.indices {
+                corners = corners.saturating_add(document.accessor_count(indices.value(), &place)?);
             }
             primitives_seen += 1;
             if vertices > MOST_VERTICES || corners > MOST_CORNERS || primitives_seen > MOST_PARTS {
@@ -81,30 +84,28 @@ pub fn into_scenario(parts: &mut [MeshPart], document_from_scenario: &Similarity
     }
 }
 
+/// The accessor of an attribute.
+pub fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<usize> {
+    primitive.attributes.get(&Checked::Valid(semantic)).map(Index::value)
+}
+
 fn read_part(
     document: &Document,
-    primitive: &Value,
+    primitive: &Primitive,
     place: &str,
     node: usize,
     skin: Option<&Skin>,
     node_count: usize,
     bind: &[DAffine3],
 ) -> Result<Option<MeshPart>, Fault> {
-    let mode = optional_index(primitive, "mode", place)?.unwrap_or(4);
-    if !(4..=6).contains(&mode) {
+    let Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) = primitive.mode else {
         return Ok(None);
-    }
-    let attribute = |name: &str| -> Result<Option<usize>, Fault> {
-        match primitive.get("attributes") {
-            Some(attributes) => optional_index(attributes, name, &format!("{place}.attributes")),
-            None => Ok(None),
-        }
     };
-    let Some(positions) = attribute("POSITION")? else { return Ok(None) };
+    let Some(positions) = attribute(primitive, Semantic::Positions) else { return Ok(None) };
     let mut part = MeshPart { positions: vec3s(document, positions, place)?, ..MeshPart::default() };
     let count = part.positions.len();
-    let corners = match optional_index(primitive, "indices", place)? {
-        Some(accessor) => document.read_indices(accessor, &format!("{place}.indices"))?,
+    let corners = match primitive.indices {
+        Some(accessor) => document.read_indices(accessor.value(), &format!("{place}.indices"))?,
         None => (0..count as u32).collect(),
     };
     if let Some(corner) = corners.iter().find(|corner| **corner as usize >= count) {
@@ -112,12 +113,12 @@ fn read_part(
     }
     part.indices = triangles(corners, mode);
     let whole = |accessor: usize| Ok(document.accessor_count(accessor, place)? == count);
-    if let Some(accessor) = attribute("NORMAL")?
+    if let Some(accessor) = attribute(primitive, Semantic::Normals)
         && whole(accessor)?
     {
         part.normals = vec3s(document, accessor, place)?;
     }
-    if let Some(accessor) = attribute("TEXCOORD_0")?
+    if let Some(accessor) = attribute(primitive, Semantic::TexCoords(0))
         && whole(accessor)?
     {
         let uvs = document.read_f32s(accessor, place)?;
@@ -131,7 +132,7 @@ fn read_part(
     if part.uvs.len() != count {
         part.uvs.clear();
     }
-    match (skin, attribute("JOINTS_0")?, attribute("WEIGHTS_0")?) {
+    match (skin, attribute(primitive, Semantic::Joints(0)), attribute(primitive, Semantic::Weights(0))) {
         (Some(skin), Some(joints), Some(weights)) => {
             if !whole(joints)? || !whole(weights)? {
                 return Err(Fault::new(
@@ -210,7 +211,8 @@ fn skin_part(part: &mut MeshPart, skin: &Skin, joints: &[u32], shares: &[f32], b
     Ok(())
 }
 
-fn vec3s(document: &Document, accessor: usize, place: &str) -> Result<Vec<DVec3>, Fault> {
+/// The vectors of a VEC3 accessor.
+pub fn vec3s(document: &Document, accessor: usize, place: &str) -> Result<Vec<DVec3>, Fault> {
     let floats = document.read_f32s(accessor, place)?;
     if floats.width != 3 {
         return Err(Fault::new(format!("accessors[{accessor}].type"), format!("must be VEC3 for {place}")));
@@ -219,34 +221,28 @@ fn vec3s(document: &Document, accessor: usize, place: &str) -> Result<Vec<DVec3>
 }
 
 /// Lists, strips and fans as a list.
-fn triangles(corners: Vec<u32>, mode: usize) -> Vec<u32> {
+fn triangles(mut corners: Vec<u32>, mode: Mode) -> Vec<u32> {
     match mode {
-        5 => (2..corners.len())
+        Mode::TriangleStrip => (2..corners.len())
             .flat_map(|at| if at % 2 == 0 { [at - 2, at - 1, at] } else { [at - 1, at - 2, at] })
             .map(|at| corners[at])
             .collect(),
-        6 => (2..corners.len()).flat_map(|at| [corners[0], corners[at - 1], corners[at]]).collect(),
+        Mode::TriangleFan => (2..corners.len()).flat_map(|at| [corners[0], corners[at - 1], corners[at]]).collect(),
         _ => {
-            let whole = corners.len() - corners.len() % 3;
-            let mut corners = corners;
-            corners.truncate(whole);
+            corners.truncate(corners.len() - corners.len() % 3);
             corners
         }
     }
 }
 
-/// Base colour and its image; what is not there is white.
-fn colour(document: &Document, primitive: &Value, part: &mut MeshPart) {
+/// Base colour and its image; what is not there, or cannot be read, is white.
+fn colour(document: &Document, primitive: &Primitive, part: &mut MeshPart) {
     part.base_color = [1.0; 4];
-    let material = primitive.get("material").and_then(as_index).and_then(|index| document.list("materials").get(index));
-    let Some(metal) = material.and_then(|material| material.get("pbrMetallicRoughness")) else { return };
-    if let Some(factor) = metal.get("baseColorFactor").and_then(Value::as_array) {
-        for (value, factor) in part.base_color.iter_mut().zip(factor) {
-            *value = factor.as_f64().map_or(1.0, |factor| factor.clamp(0.0, 1.0) as f32);
-        }
-    }
-    let texture = metal.get("baseColorTexture").and_then(|texture| texture.get("index")).and_then(as_index);
-    let texture = texture.and_then(|index| document.list("textures").get(index));
-    let image = texture.and_then(|texture| texture.get("source")).and_then(as_index);
-    part.base_texture = image.filter(|image| *image < document.images.len());
+    let material =
+        primitive.material.and_then(|at| document.typed::<Material>("materials", at.value(), "material").ok());
+    let Some(material) = material.map(|material| material.pbr_metallic_roughness) else { return };
+    part.base_color = material.base_color_factor.0.map(|factor| factor.clamp(0.0, 1.0));
+    let texture = material.base_color_texture.map(|info| info.index.value());
+    let texture = texture.and_then(|index| document.typed::<Texture>("textures", index, "texture").ok());
+    part.base_texture = texture.map(|texture| texture.source.value()).filter(|image| *image < document.images.len());
 }

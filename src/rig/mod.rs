@@ -9,6 +9,7 @@ pub mod bind;
 pub mod body;
 pub mod clips;
 pub mod document;
+pub mod entry;
 pub mod error;
 mod flanks;
 mod flesh;
@@ -94,6 +95,10 @@ pub struct RigNode {
     pub bind: Trs,
     /// The file gives a `matrix`: it cannot be animated as it stands.
     pub has_matrix: bool,
+    /// The mesh that it draws.
+    pub mesh: Option<usize>,
+    /// The skin that it draws it with.
+    pub skin: Option<usize>,
 }
 
 /// Translation, rotation, scale: T * R * S.

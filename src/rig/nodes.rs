@@ -1,6 +1,5 @@
 //! The node hierarchy: local transforms, parents, globals. Document units; checked for cycles and second parents.
 
-use super::document::as_index;
 use super::{Document, Fault, RigNode, Trs};
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use serde_json::Value;
@@ -14,17 +13,17 @@ pub fn read_nodes(document: &Document) -> Result<Vec<RigNode>, Fault> {
     let mut nodes = Vec::with_capacity(list.len());
     for (index, json) in list.iter().enumerate() {
         let place = format!("nodes[{index}]");
-        if !json.is_object() {
-            return Err(Fault::new(place, "must be an object"));
-        }
+        let node: gltf::json::Node = document.typed("nodes", index, &place)?;
         let local = local(json, &place)?;
         nodes.push(RigNode {
-            name: json.get("name").and_then(Value::as_str).map(str::to_owned),
+            children: children(&node, list.len(), &place)?,
+            name: node.name,
             parent: None,
-            children: children(json, list.len(), &place)?,
             local,
             bind: local,
             has_matrix: json.get("matrix").is_some(),
+            mesh: node.mesh.map(|mesh| mesh.value()),
+            skin: node.skin.map(|skin| skin.value()),
         });
     }
     for parent in 0..nodes.len() {
@@ -97,19 +96,17 @@ pub fn decompose(affine: &DAffine3) -> Trs {
     Trs { translation, rotation, scale }
 }
 
-fn children(json: &Value, count: usize, place: &str) -> Result<Vec<usize>, Fault> {
-    let Some(list) = json.get("children") else { return Ok(Vec::new()) };
-    let place = format!("{place}.children");
-    let list = list.as_array().ok_or_else(|| Fault::new(place.as_str(), "must be an array of node indices"))?;
-    list.iter()
-        .enumerate()
-        .map(|(at, child)| match as_index(child) {
-            Some(child) if child < count => Ok(child),
-            _ => Err(Fault::new(format!("{place}[{at}]"), format!("is no node: there are {count}"))),
+fn children(node: &gltf::json::Node, count: usize, place: &str) -> Result<Vec<usize>, Fault> {
+    let children = node.children.iter().flatten().map(gltf::json::Index::value).enumerate();
+    children
+        .map(|(at, child)| match child {
+            child if child < count => Ok(child),
+            _ => Err(Fault::new(format!("{place}.children[{at}]"), format!("is no node: there are {count}"))),
         })
         .collect()
 }
 
+/// In f64, as the file has it: the crate's f32 would change the rest pose in the last bits.
 fn local(json: &Value, place: &str) -> Result<Trs, Fault> {
     if let Some(matrix) = numbers::<16>(json, "matrix", place)? {
         let affine = DAffine3::from_mat4(DMat4::from_cols_array(&matrix));
