@@ -17,6 +17,7 @@ mod scenario_reader;
 pub mod scenario_rules;
 pub mod scenario_text;
 pub mod scenario_write;
+pub mod schema;
 pub mod sweep;
 pub mod sweep_range;
 pub mod sweep_text;
