@@ -51,13 +51,13 @@ pub(super) fn words() -> PossibleValuesParser {
 /// Explains.
 pub fn run(args: &HelpArgs) -> Result<Exit, Failure> {
     let Some(word) = args.word.as_deref() else {
-        shown(&["surefoot", "--help"])?;
+        shown(&["--help"])?;
         say(&list())?;
         return Ok(Exit::Done);
     };
     let command = COMMANDS.contains(&word);
     if command {
-        shown(&["surefoot", word, "--help"])?;
+        shown(&[word, "--help"])?;
     }
     if let Some((_, text)) = TOPICS.iter().find(|(name, _)| *name == word) {
         say(&if command { format!("\n{text}") } else { (*text).to_owned() })?;
@@ -65,9 +65,11 @@ pub fn run(args: &HelpArgs) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// What clap prints for a command line that asks for help.
+/// What the program prints with those arguments, which ask for help.
 fn shown(words: &[&str]) -> Result<(), Failure> {
-    match Args::try_parse_from(words) {
+    let program = std::env::args_os().next().unwrap_or_else(|| "surefoot".into());
+    let line = std::iter::once(program).chain(words.iter().map(std::ffi::OsString::from));
+    match Args::try_parse_from(line) {
         Err(error) => error.print().map_err(|error| Failure::stdout(&error)),
         Ok(_) => Ok(()),
     }

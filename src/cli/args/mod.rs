@@ -21,7 +21,7 @@ Exit codes:
   2  bad usage or bad input
   3  the work could not be completed";
 
-/// Reactive stepping and balance, baked into glTF animation clips.
+/// Simulate how a character steps to keep its balance, and bake that into glTF animation clips.
 #[derive(Debug, Parser)]
 #[command(name = "surefoot", version, about, max_term_width = 100, after_help = AFTER_HELP)]
 #[command(disable_help_subcommand = true, subcommand_value_name = "COMMAND")]
