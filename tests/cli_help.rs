@@ -50,6 +50,17 @@ fn help_of_a_command_is_that_of_its_flag_and_a_topic_follows_where_it_has_the_sa
 }
 
 #[test]
+fn the_usage_of_a_bake_names_its_arguments_in_the_order_in_which_they_are_given() {
+    let told = Shell::new().run("bake --help").exits(0);
+    assert!(
+        told.out.contains("\nUsage: surefoot bake [OPTIONS] <RIG> <SCENARIO> --output <OUT.glb|OUT.vrma>\n"),
+        "{}",
+        told.out
+    );
+    assert!(told.out.contains("\n       surefoot bake [OPTIONS] <RIG> --demo\n"), "{}", told.out);
+}
+
+#[test]
 fn help_alone_lists_commands_and_topics_and_every_topic_has_a_text() {
     let shell = Shell::new();
     let all = shell.run("help").exits(0).out;

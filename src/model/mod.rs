@@ -18,6 +18,8 @@ pub mod scenario_rules;
 pub mod scenario_text;
 pub mod scenario_write;
 pub mod schema;
+#[cfg(test)]
+mod schema_check;
 pub mod sweep;
 pub mod sweep_range;
 pub mod sweep_text;

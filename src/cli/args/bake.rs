@@ -9,6 +9,8 @@ use std::path::PathBuf;
 /// `surefoot bake`.
 #[derive(Debug, clap::Args)]
 #[command(group(ArgGroup::new("what").args(["scenario", "demo"]).required(true)))]
+#[command(override_usage = "surefoot bake [OPTIONS] <RIG> <SCENARIO> --output <OUT.glb|OUT.vrma>\n       \
+                            surefoot bake [OPTIONS] <RIG> --demo")]
 pub struct BakeArgs {
     /// The character: a .glb, .gltf or .vrm file, or `builtin` for the built-in rig
     #[arg(value_name = "RIG")]

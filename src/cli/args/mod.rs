@@ -23,7 +23,7 @@ Exit codes:
 
 /// Simulate how a character steps to keep its balance, and bake that into glTF animation clips.
 #[derive(Debug, Parser)]
-#[command(name = "surefoot", version, about, max_term_width = 100, after_help = AFTER_HELP)]
+#[command(name = "surefoot", version, max_term_width = 100, after_help = AFTER_HELP)]
 #[command(disable_help_subcommand = true, subcommand_value_name = "COMMAND")]
 pub struct Args {
     /// What to do.
@@ -67,7 +67,7 @@ pub enum Root {
     Root,
     /// The hips
     Hips,
-    /// None: the clip stays in place
+    /// No node: the clip stays in place
     InPlace,
 }
 
