@@ -233,8 +233,10 @@ fn an_input_is_never_overwritten() {
     shell.run("new rig -o hero.glb").exits(0);
     let before = fs::read(shell.path("hero.glb")).expect("there");
     shell.run("bake hero.glb shove.toml -o ./hero.glb").exits(2).says(&["hero.glb", "never overwritten"]);
-    fs::hard_link(shell.path("hero.glb"), shell.path("alias.glb")).expect("a link");
-    shell.run("bake hero.glb shove.toml -o alias.glb").exits(2).says(&["never overwritten"]);
+    if cfg!(unix) {
+        fs::hard_link(shell.path("hero.glb"), shell.path("alias.glb")).expect("a link");
+        shell.run("bake hero.glb shove.toml -o alias.glb").exits(2).says(&["never overwritten"]);
+    }
     assert!(fs::read(shell.path("hero.glb")).expect("there") == before);
 }
 

@@ -25,6 +25,8 @@ mod beside;
 mod bodies;
 /// The program at the shell: exit codes, words, files.
 mod cli;
+/// The program about itself: help, topics, completions, manual pages, schemas, what follows the demo.
+mod cli_help;
 /// Stands and walks on ground that is not level: what the feet hold, and props.
 mod clip_ground;
 mod common;

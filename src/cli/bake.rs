@@ -1,8 +1,8 @@
 //! `surefoot bake`: a scenario onto a rig, and what came of it for the person and for programs.
 
 use super::args::{Assist, BakeArgs, Drive, Root};
-use super::parts;
-use super::{say, tell};
+use super::progress::busy;
+use super::{parts, say, tell};
 use crate::bake::{Baked, Fall};
 use crate::disk::resolve;
 use crate::disk::writer::{self, Output};
@@ -46,7 +46,7 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         }
         None => Scenario::demo(),
     };
-    let rig = resolve::rig(&args.rig)?;
+    let rig = busy(&format!("reading {}", args.rig.display()), || resolve::rig(&args.rig))?;
     inputs.extend(rig.files);
     let rig = rig.rig;
     writer::check(&places, &inputs)?;
@@ -64,9 +64,10 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         warn(format!("{} takes root motion from {}", engine.title, engine.root));
     }
 
-    let base = resolve::base(&rig, &scenario, args.scenario.as_deref(), &args.rig)?;
+    let base = busy("reading the base clip", || resolve::base(&rig, &scenario, args.scenario.as_deref(), &args.rig))?;
     inputs.extend(base.as_ref().map(|base| base.0.clone()));
-    let baked = parts::bake(&rig, &scenario, base.map(|base| base.1), args)?;
+    let what = format!("baking \"{}\" onto {}", scenario.title, args.rig.display());
+    let baked = busy(&what, || parts::bake(&rig, &scenario, base.map(|base| base.1), args))?;
     for warning in &baked.warnings {
         warn(warning.clone());
     }
@@ -95,7 +96,9 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     if let Some(sheet) = &args.sheet {
         outputs.push(Output {
             path: sheet.clone(),
-            bytes: parts::sheet(&rig, &baked.clip, &baked.report, &parts::seen_props(&baked)),
+            bytes: busy("drawing the contact sheet", || {
+                parts::sheet(&rig, &baked.clip, &baked.report, &parts::seen_props(&baked))
+            }),
         });
     }
     if let Some(plot) = &args.plot {
@@ -107,7 +110,10 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     let places = Places { output: &output, events: &events, helpers: &helpers, sheet, plot };
     say(&match args.json {
         true => as_json(&baked, &exported.name, Some(&places), &warnings),
-        false => summary(&baked, &exported.name, &places, size),
+        false => {
+            let next = if args.demo { next_steps(&output) } else { String::new() };
+            summary(&baked, &exported.name, &places, size) + &next
+        }
     })?;
     Ok(Exit::Done)
 }
@@ -140,6 +146,26 @@ fn as_json(baked: &Baked, name: &str, places: Option<&Places>, warnings: &[Strin
         "report": crate::export::events::report_json(name, &baked.report).unwrap_or_default(),
     });
     format!("{object}\n")
+}
+
+/// What a person who has baked the demo may do next. Cargo names the package it runs in the environment: whoever runs the program by
+/// cargo has most likely not installed it.
+fn next_steps(output: &Path) -> String {
+    let by_cargo = std::env::var_os("CARGO_PKG_NAME").is_some_and(|name| name == env!("CARGO_PKG_NAME"));
+    let program = if by_cargo { "cargo run --release --" } else { "surefoot" };
+    let mut text = format!(
+        "\nTo look at it, drop {} into any glTF viewer, for example\n\
+         https://gltf-viewer.donmccurdy.com, or into an engine that reads glTF; in Blender choose\n\
+         File > Import > glTF 2.0.\n\nTo bake onto your own rig (.glb, .gltf or .vrm):\n\n\
+         \x20   {program} new scenario -o shove.toml\n\
+         \x20   {program} bake hero.glb shove.toml -o exports/hero_shove.glb\n",
+        output.display()
+    );
+    if by_cargo {
+        text +=
+            "\n`cargo install --path .` installs the program: then `surefoot` stands for `cargo run --release --`.\n";
+    }
+    text
 }
 
 /// What came of it, for a person.

@@ -4,6 +4,7 @@
 //! What was written is read back and compared with what was meant.
 
 use super::args::CorrectArgs;
+use super::progress::busy;
 use super::{audit_text, say, tell};
 use crate::audit::AuditOptions;
 use crate::correct::{CorrectOptions, Corrected};
@@ -26,7 +27,8 @@ pub fn run(args: &CorrectArgs) -> Result<Exit, Failure> {
     outputs.extend(json_file.map(PathBuf::as_path));
     writer::check(&outputs, &inputs)?;
     let options = Options { fps: args.fps, up: args.up.as_deref().and_then(mocap::up_axis), unit: args.unit };
-    let file = Opened::open(&args.clip_file, &options)?;
+    let reading = format!("reading {}", args.clip_file.display());
+    let file = busy(&reading, || Opened::open(&args.clip_file, &options))?;
     file.check_ending(&args.output)?;
     let wanted: Vec<usize> = match &args.clip {
         Some(name) => vec![file.find(name)?],
@@ -69,7 +71,10 @@ fn correct_all(args: &CorrectArgs, file: &Opened, wanted: &[usize]) -> Result<(V
     let (mut clips, mut unread) = (Vec::new(), Vec::new());
     for index in wanted.iter().copied() {
         match file.reading(index) {
-            Ok(reading) => clips.push(file.correct_reading(index, reading, &settings)?),
+            Ok(reading) => {
+                let what = format!("correcting \"{}\" ({} of {})", file.clips()[index], clips.len() + 1, wanted.len());
+                clips.push(busy(&what, || file.correct_reading(index, reading, &settings))?);
+            }
             Err(failure) if wanted.len() > 1 => {
                 unread.push(format!("{} (clip {:?}: left as it is)", failure.message, file.clips()[index]));
             }

@@ -86,7 +86,7 @@ pub(super) fn axis(text: &str) -> Result<String, String> {
     };
     match letter.to_ascii_uppercase().as_str() {
         letter @ ("X" | "Y" | "Z") => Ok(format!("{sign}{letter}")),
-        _ => Err("give X, Y or Z, with a sign if you like".to_owned()),
+        _ => Err("give X, Y or Z, also with a sign, as in -Z".to_owned()),
     }
 }
 

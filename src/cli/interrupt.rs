@@ -21,6 +21,7 @@ pub fn watch() {
         for path in staged().drain(..) {
             drop(std::fs::remove_file(path));
         }
+        super::progress::clear();
         let hint = HINT.lock().unwrap_or_else(PoisonError::into_inner);
         super::tell(&format!("error: interrupted{hint}"));
         std::process::exit(Exit::Failed as i32);

@@ -12,13 +12,17 @@ pub mod bake;
 pub mod batch;
 pub mod batch_farm;
 pub mod batch_out;
+pub mod completions;
 pub mod correct;
 pub mod exit_code;
 mod forms;
+pub mod help;
 pub mod inspect;
 pub mod interrupt;
+pub mod man;
 pub mod new;
 pub mod parts;
+pub mod progress;
 pub mod retarget;
 pub mod scenario_fault;
 pub mod sheet;
@@ -71,6 +75,9 @@ fn dispatch(command: Command, studio: Option<OpenStudio>) -> Result<Exit, Failur
         Command::Retarget(args) => retarget::run(&args),
         Command::Batch(args) => batch::run(&args),
         Command::Studio(args) => open_studio(&args, studio),
+        Command::Completions(args) => completions::run(&args),
+        Command::Man(args) => man::run(&args),
+        Command::Help(args) => help::run(&args),
     }
 }
 

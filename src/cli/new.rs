@@ -1,10 +1,10 @@
-//! `surefoot new`: a scenario, a sweep or a rig to start from.
+//! `surefoot new`: a scenario, a sweep or a rig to start from; of the first two also the schema, for editors.
 
 use super::args::{New, NewArgs};
 use super::{parts, say, tell};
 use crate::disk::writer::{self, Output};
 use crate::disk::{Exit, Failure};
-use crate::model::{scenario_text, sweep_text};
+use crate::model::{scenario_text, schema, sweep_text};
 use std::path::{Path, PathBuf};
 
 /// Where a rig goes unless it is told.
@@ -16,26 +16,40 @@ pub fn run(args: &NewArgs) -> Result<Exit, Failure> {
         return Err(Failure::bad_input("--height and --leg-scale are for `surefoot new rig`"));
     }
     match args.what {
-        New::Scenario => match &args.output {
-            None => say(scenario_text::example_text())?,
-            Some(path) => put(path, scenario_text::example_text().into())?,
-        },
+        New::Rig if args.schema => {
+            return Err(Failure::bad_input("--schema is for `surefoot new scenario` and `surefoot new sweep`"));
+        }
         New::Rig => {
             let path = args.output.clone().unwrap_or_else(|| PathBuf::from(RIG_OUTPUT));
-            if path.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("glb")) {
-                return Err(Failure::bad_input(format!(
-                    "{}: the rig is a binary glTF file\n  help: let its name end in .glb",
-                    path.display()
-                )));
-            }
+            must_end_in(&path, "glb", "the rig is a binary glTF file")?;
             put(&path, parts::new_rig(args.height, args.leg_scale))?;
         }
-        New::Sweep => match &args.output {
-            None => say(sweep_text::example_text())?,
-            Some(path) => put(path, sweep_text::example_text().into())?,
-        },
+        New::Scenario if args.schema => text(args, schema::SCENARIO)?,
+        New::Scenario => text(args, scenario_text::example_text())?,
+        New::Sweep if args.schema => text(args, schema::SWEEP)?,
+        New::Sweep => text(args, sweep_text::example_text())?,
     }
     Ok(Exit::Done)
+}
+
+/// To stdout, or where it is wanted.
+fn text(args: &NewArgs, text: &str) -> Result<(), Failure> {
+    match &args.output {
+        None => say(text),
+        Some(path) => {
+            if args.schema {
+                must_end_in(path, "json", "a schema is a JSON file")?;
+            }
+            put(path, text.into())
+        }
+    }
+}
+
+fn must_end_in(path: &Path, ending: &str, what: &str) -> Result<(), Failure> {
+    if path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending)) {
+        return Ok(());
+    }
+    Err(Failure::bad_input(format!("{}: {what}\n  help: let its name end in .{ending}", path.display())))
 }
 
 /// A file to start from is written once: what a person made of it since is not replaced.

@@ -1,6 +1,7 @@
 //! `surefoot retarget`: a clip of another skeleton onto a rig, as one more clip in a copy of the rig's file.
 
 use super::args::{RetargetArgs, Root};
+use super::progress::busy;
 use super::{say, tell};
 use crate::bake::RootMotion;
 use crate::bake::retargeted::{RetargetOptions, Retargeted, retargeted};
@@ -16,13 +17,14 @@ use std::path::Path;
 pub fn run(args: &RetargetArgs) -> Result<Exit, Failure> {
     let mut inputs = vec![args.clip_file.clone(), args.clip_file.with_extension("bones.toml")];
     resolve::plain_file(&args.clip_file, "a clip is a .bvh, .fbx, .glb, .gltf, .vrm or .vrma file")?;
-    let rig = resolve::rig(&args.rig)?;
+    let rig = busy(&format!("reading {}", args.rig.display()), || resolve::rig(&args.rig))?;
     inputs.extend(rig.files);
     let rig = rig.rig;
     let events = args.output.with_extension("events.json");
     writer::check(&[&args.output, &events], &inputs)?;
     let bad = |error: mocap::MocapError| Failure::bad_input(error.to_string());
-    let file = mocap::load(&args.clip_file).map_err(bad)?;
+    let reading = format!("reading {}", args.clip_file.display());
+    let file = busy(&reading, || mocap::load(&args.clip_file)).map_err(bad)?;
     let index = wanted(&file, args.clip.as_deref())?;
     let source =
         file.capture(index, &Options { fps: None, up: args.up.as_deref().and_then(mocap::up_axis), unit: args.unit });
@@ -33,7 +35,8 @@ pub fn run(args: &RetargetArgs) -> Result<Exit, Failure> {
         Root::InPlace => RootMotion::InPlace,
     };
     let options = RetargetOptions { name: args.name.clone(), fps: args.fps, root };
-    let Some(made) = retargeted(&rig, &source, &options) else {
+    let what = format!("retargeting \"{}\" onto {}", source.name, args.rig.display());
+    let Some(made) = busy(&what, || retargeted(&rig, &source, &options)) else {
         let what = format!(
             "clip \"{}\" has {} frames that can be read: a motion has two at least",
             source.name,

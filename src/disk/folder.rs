@@ -71,7 +71,8 @@ impl<'a> Folder<'a> {
             return Err(Failure::bad_input(format!("{}: this is a file\n  help: give -o a folder", dir.display())));
         }
         fs::create_dir_all(&own).map_err(cannot)?;
-        let lock = File::create(own.join("lock")).map_err(cannot)?;
+        // Not emptied: Windows may refuse that of a file that another process has locked.
+        let lock = File::options().create(true).truncate(false).write(true).open(own.join("lock")).map_err(cannot)?;
         if lock.try_lock().is_ok() {
             for input in &plan.sweep.rigs {
                 clear(&dir.join(&input.name));

@@ -33,7 +33,7 @@ pub fn rig_with(path: &Path, bones: &BTreeMap<Role, Option<usize>>) -> Result<Ri
     if path.as_os_str() == "builtin" {
         return Ok(RigInput { rig: builtin_rig()?, files: Vec::new() });
     }
-    plain_file(path, "a rig is a .glb, .gltf or .vrm file; `builtin` is the rig inside of the program")?;
+    plain_file(path, "a rig is a .glb, .gltf or .vrm file; `builtin` is the built-in rig")?;
     match ending(path).as_str() {
         "fbx" => {
             return Err(Failure::bad_input(format!(
@@ -55,7 +55,7 @@ pub fn rig_with(path: &Path, bones: &BTreeMap<Role, Option<usize>>) -> Result<Ri
     Ok(RigInput { rig, files })
 }
 
-/// The rig inside of the program.
+/// The built-in rig.
 pub fn builtin_rig() -> Result<Rig, Failure> {
     let alone = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
     rig::load_bytes("builtin", BUILTIN, &alone, None).map_err(|error| Failure::failed(error.to_string()))

@@ -17,6 +17,9 @@ mod scenario_reader;
 pub mod scenario_rules;
 pub mod scenario_text;
 pub mod scenario_write;
+pub mod schema;
+#[cfg(test)]
+mod schema_check;
 pub mod sweep;
 pub mod sweep_range;
 pub mod sweep_text;

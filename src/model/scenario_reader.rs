@@ -120,6 +120,8 @@ impl<'r, 'i> Reader<'r, 'i> {
             self.wrong_type(key, "a word in quotes", &format!("give {}", list(choices)));
             return None;
         };
+        #[cfg(test)]
+        asked::note(&self.path_of(key), &choices.iter().map(|(name, _)| *name).collect::<Vec<_>>());
         let found = choices.iter().find(|(name, _)| *name == text.as_ref());
         if found.is_none() {
             let names: Vec<&str> = choices.iter().map(|(name, _)| *name).collect();
@@ -233,6 +235,8 @@ impl<'r, 'i> Reader<'r, 'i> {
 
     /// Notes the keys that nobody asked for.
     pub(super) fn finish(&mut self) {
+        #[cfg(test)]
+        asked::note(&self.path, &self.asked);
         for (key, _) in self.table.iter().filter(|(key, _)| !self.asked.contains(&key.get_ref().as_ref())) {
             let name = key.get_ref().as_ref();
             let remedy = match nearest(name, &self.asked) {
@@ -305,6 +309,28 @@ impl<'r, 'i> Reader<'r, 'i> {
 
     fn fault(&mut self, path: String, span: Range<usize>, message: String, remedy: &str) {
         self.faults.push(TextFault { path, span, message, remedy: remedy.to_owned() });
+    }
+}
+
+/// What readers of this thread have asked for: the keys of each table, the words of each choice, by path. For the tests of the schemas.
+#[cfg(test)]
+pub(super) mod asked {
+    use std::cell::RefCell;
+    use std::collections::{BTreeMap, BTreeSet};
+
+    type Asked = BTreeMap<String, BTreeSet<String>>;
+
+    thread_local! { static ASKED: RefCell<Asked> = const { RefCell::new(BTreeMap::new()) }; }
+
+    pub(super) fn note(path: &str, words: &[&str]) {
+        ASKED.with_borrow_mut(|asked| {
+            asked.entry(path.to_owned()).or_default().extend(words.iter().map(|word| (*word).to_owned()));
+        });
+    }
+
+    /// What was asked for since it was last taken.
+    pub(in super::super) fn take() -> Asked {
+        ASKED.take()
     }
 }
 

@@ -372,6 +372,9 @@ fn bake_settings(mut table: Reader<'_, '_>) -> BakeSettings {
         vrma: table.choice("format", &[("glb", false), ("vrma", true)]).unwrap_or(default.vrma),
         engines: engines(&mut table),
     };
+    if settings.assist.is_some_and(|limits| limits.iter().any(|limit| *limit < 0.0)) {
+        table.wrong_type("assist", "a limit of 0 or more", "give \"auto\", \"off\", Nm, or [Nm, N], none under 0");
+    }
     table.finish();
     settings
 }
