@@ -28,7 +28,7 @@ pub struct NewArgs {
     /// For a scenario or a sweep: write its JSON Schema, with which an editor completes and checks the TOML
     #[arg(long)]
     pub schema: bool,
-    /// For a rig: height in metres, before --leg-scale [default: 1.7]
+    /// For a rig: height in metres, with legs of ordinary length [default: 1.7]
     #[arg(long, value_name = "M", value_parser = |text: &str| number(text, 0.3, 5.0, "m"))]
     pub height: Option<f64>,
     /// For a rig: factor on the length of the legs; the height changes with it [default: 1]
