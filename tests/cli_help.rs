@@ -106,7 +106,7 @@ fn completions_name_every_command_and_flag_and_bash_can_read_its_own() {
     }
     match Command::new("bash").arg("-n").arg(shell.path("surefoot.bash")).output() {
         Ok(read) => assert!(read.status.success(), "{}", String::from_utf8_lossy(&read.stderr)),
-        Err(_) => println!("no bash here: its script was not read by it"),
+        Err(_) => eprintln!("skipped: no bash here to read its script"),
     }
     shell.run("completions tcsh").exits(2).says(&["powershell"]);
 }
@@ -180,7 +180,7 @@ fn on_a_terminal_a_bake_shows_what_it_does_and_clears_the_line() {
     let mut command = Command::new("script");
     command.args(["-qec", &program, "/dev/null"]).current_dir(shell.path("")).env("TERM", "xterm");
     let Ok(output) = command.output() else {
-        println!("no `script` here: progress was not looked at");
+        eprintln!("skipped: no `script` here to give the program a terminal");
         return;
     };
     let shown = String::from_utf8_lossy(&output.stdout);

@@ -39,6 +39,9 @@ mod tests {
         ]
     }
 
+    /// The schema of a number or a word, and the value around it.
+    type Leaf = (Value, Box<dyn Fn(Value) -> Value>);
+
     /// A table of the document: where it stands, its schema, and the least that it must hold.
     struct Table {
         path: &'static str,
@@ -118,8 +121,8 @@ mod tests {
             }
         }
 
-        /// The schemas of the numbers and words in a value, each with the value around it.
-        fn leaves(&self, schema: &Value) -> Vec<(Value, Box<dyn Fn(Value) -> Value>)> {
+        /// The schemas of the numbers and words in a value.
+        fn leaves(&self, schema: &Value) -> Vec<Leaf> {
             let schema = self.resolved(schema);
             let choices = ["anyOf", "allOf"].iter().flat_map(|key| schema[*key].as_array().into_iter().flatten());
             let mut leaves: Vec<_> = choices.flat_map(|choice| self.leaves(choice)).collect();
