@@ -6,7 +6,7 @@ fn example() -> Result<(), Box<dyn std::error::Error>> {
     use surefoot::model::{Scenario, report::Outcome};
     use surefoot::{export, rig};
 
-    let alone = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound)); // the built-in rig has no other files
+    let alone = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound)); // the built-in rig is one file
     let rig = rig::load_bytes("builtin", rig::mannequin::BUILTIN, &alone, None)?;
     let baked = bake(&rig, &Scenario::demo(), &BakeOptions::default())?; // shoved from the left, 60 N s
     assert_eq!(baked.report.outcome, Outcome::Step);

@@ -77,6 +77,17 @@ fn stance(baked: &Baked) -> DVec3 {
     glam::DQuat::from_rotation_y(-end.facing) * (end.feet[0].ankle - end.feet[1].ankle)
 }
 
+/// The shares of clips without pops, within joint limits, and with the ZMP inside in 95 % of their frames.
+fn shares<'r>(rows: impl Iterator<Item = &'r Row>) -> [f64; 3] {
+    let found: Vec<_> = rows.map(|row| row.baked.findings.as_ref().expect("measured")).collect();
+    let of = |held: usize| held as f64 / found.len() as f64;
+    [
+        of(found.iter().filter(|found| found.joints.pops.is_empty()).count()),
+        of(found.iter().filter(|found| found.joints.excesses.is_empty()).count()),
+        of(found.iter().filter(|found| found.zmp.inside >= 0.95).count()),
+    ]
+}
+
 #[test]
 fn walks_keep_their_feet_on_every_build() {
     let only = std::env::var("WALKS").unwrap_or_default();
@@ -88,14 +99,8 @@ fn walks_keep_their_feet_on_every_build() {
     rows.iter().for_each(|row| println!("{}", row.line()));
     let all = || rows.iter().map(|row| (row, row.baked.findings.as_ref().expect("measured")));
     let slips: Vec<f64> = all().flat_map(|(_, found)| found.feet.slips.iter().map(|slip| slip.mm)).collect();
-    let share = |holds: &dyn Fn(&Row) -> bool| rows.iter().filter(|row| holds(row)).count() as f64 / rows.len() as f64;
-    let pops = share(&|row| row.baked.findings.as_ref().is_some_and(|found| found.joints.pops.is_empty()));
-    let limits = share(&|row| row.baked.findings.as_ref().is_some_and(|found| found.joints.excesses.is_empty()));
-    let inside = share(&|row| row.baked.findings.as_ref().is_some_and(|found| found.zmp.inside >= 0.95));
     let slip = percentile(&slips, 0.95);
-    println!(
-        "slip p95 {slip:.2} mm; of the clips without pops {pops:.2}, in joint limits {limits:.2}, ZMP {inside:.2}"
-    );
+    println!("slip p95 {slip:.2} mm");
     for (row, baked) in rows.iter().map(|row| (row, &row.baked)).filter(|(row, _)| row.name.starts_with("builtin x1 "))
     {
         let rig = &rigs[0].1;
@@ -104,9 +109,13 @@ fn walks_keep_their_feet_on_every_build() {
         std::fs::write(baked_path(&name), &file.bytes).expect("target can be written");
     }
     assert!(slip <= 1.0, "slip p95 {slip:.2} mm");
-    // Goal 1 each.
-    let whole = only.is_empty();
-    assert!(!whole || (pops >= 0.79 && limits >= 0.59 && inside >= 0.95), "{pops} {limits} {inside}");
+    // The built-in rig alone too: what is asked of it does not depend on who else is there. Goal 1 each.
+    for (whose, prefix) in [("builtin", "builtin"), ("all", "")] {
+        let [pops, limits, inside] = shares(rows.iter().filter(|row| row.name.starts_with(prefix)));
+        println!("{whose}: of the clips without pops {pops:.2}, in joint limits {limits:.2}, ZMP {inside:.2}");
+        let held = pops >= 0.79 && limits >= 0.59 && inside >= 0.95;
+        assert!(!only.is_empty() || held, "{whose}: {pops} {limits} {inside}");
+    }
     let mut failed = Vec::new();
     for (row, found) in all().filter(|(row, _)| row.name != LOST) {
         let feet = &found.feet;
