@@ -2,8 +2,6 @@
 //!
 //! A baked clip with its helpers stays in target/engines, where tests/tools runs them: in Chromium, in Bevy, and by hand in Blender.
 
-#![expect(clippy::print_stdout, reason = "tests tell what they lack")]
-
 use crate::data;
 use std::fs;
 use std::path::{Path, PathBuf};

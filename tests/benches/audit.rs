@@ -15,7 +15,7 @@ mod audit_grid;
 #[path = "../audit_velocity.rs"]
 mod audit_velocity;
 #[path = "../data.rs"]
-#[allow(dead_code)] // of which a bench uses the place alone
+#[expect(dead_code, reason = "a bench wants the place alone")]
 mod data;
 
 use audit_grid::{Clip, Fault, Found, Kind, ask, clean, clips, faults, slow_clips, slow_flights, walks};

@@ -9,7 +9,7 @@
 #[path = "../audit_faults.rs"]
 mod audit_faults;
 #[path = "../data.rs"]
-#[allow(dead_code)] // of which a bench uses the place alone
+#[expect(dead_code, reason = "a bench wants the place alone")]
 mod data;
 #[path = "../stick_strip.rs"]
 mod stick_strip;

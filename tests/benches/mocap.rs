@@ -1,7 +1,7 @@
 //! What a clip costs to read: frames a second of a 31-joint BVH, parsed and posed (to hold: 40,000), and of real FBX and glTF.
 
 #[path = "../data.rs"]
-#[allow(dead_code)] // of which a bench uses the place alone
+#[expect(dead_code, reason = "a bench wants the place alone")]
 mod data;
 use divan::{Bencher, counter::ItemsCount};
 use std::fmt::Write;

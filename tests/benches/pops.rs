@@ -8,7 +8,7 @@
 #![expect(dead_code, reason = "shares its rigs with other tables")]
 
 #[path = "../data.rs"]
-#[allow(dead_code)] // of which a bench uses the place alone
+#[expect(dead_code, reason = "a bench wants the place alone")]
 mod data;
 #[path = "../limits_grid.rs"]
 mod limits_grid;

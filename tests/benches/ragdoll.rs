@@ -9,7 +9,7 @@
 #![expect(clippy::print_stdout, reason = "the table")]
 
 #[path = "../data.rs"]
-#[allow(dead_code)] // of which a bench uses the place alone
+#[expect(dead_code, reason = "a bench wants the place alone")]
 mod data;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
