@@ -71,7 +71,8 @@ pub fn run(open: Option<PathBuf>, measure: Option<f64>) -> Result<Option<Times>,
         }),
     );
     made.map_err(|error| {
-        format!("the window cannot be opened: {error}\n  help: the studio needs a desktop and a graphics driver; every other command works without")
+        let wayland = if cfg!(feature = "desktop") { "" } else { ", on Linux X11 or XWayland (a build with `--features desktop` takes Wayland too)" };
+        format!("the window cannot be opened: {error}\n  help: the studio needs a graphics driver and a desktop{wayland}; every other command works without")
     })?;
     let times = told.lock().unwrap_or_else(PoisonError::into_inner).clone();
     Ok(measure.map(|_| times))
