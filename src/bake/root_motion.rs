@@ -15,10 +15,10 @@ use std::f64::consts::{PI, TAU};
 
 /// s, standard deviation of the filter on the root's path.
 const SMOOTHING: f64 = 0.2;
-/// m, how far the splines of the root's path may be from it.
-const KNOT_PLACE: f64 = 1.0e-2;
-/// rad, the same for its yaw: 1 degree.
-const KNOT_YAW: f64 = 1.0 * PI / 180.0;
+/// m, how far from the root's path its splines may be; straight lines less, whose corners are steps of its speed.
+const KNOT_PLACE: [f64; 2] = [1.0e-2, 1.0e-3];
+/// rad, the same for its yaw: 1 degree, 0.2 degrees.
+const KNOT_YAW: [f64; 2] = [1.0 * PI / 180.0, 0.2 * PI / 180.0];
 
 /// s: slopes are taken over that, to either side.
 const SLOPE: f64 = 1.0e-3;
@@ -138,12 +138,13 @@ impl RootCurve {
         self.straight = straight;
         let knots: Vec<Knot> = times.iter().map(|time| self.knot_at(*time)).collect();
         let path: Vec<[f64; 4]> = times.iter().map(|time| self.smooth_at(*time)).collect();
+        let (place, turn) = (KNOT_PLACE[usize::from(straight)], KNOT_YAW[usize::from(straight)]);
         let spans = |from: usize, to: usize| {
             (from + 1..to).all(|at| {
                 let now = between(&knots[from], &knots[to], times[at], straight);
                 let [x, z, yaw, y] = path[at];
                 let turned = now.rotation * DQuat::from_rotation_y(-yaw);
-                now.translation.distance(DVec3::new(x, y, z)) <= KNOT_PLACE && twist(turned).sin().abs() <= KNOT_YAW
+                now.translation.distance(DVec3::new(x, y, z)) <= place && twist(turned).sin().abs() <= turn
             })
         };
         let mut kept: Vec<Knot> = knots.first().copied().into_iter().collect();

@@ -6,7 +6,7 @@
 
 use super::record::{Measured, Piece, Record, hash, measured};
 use super::{Plan, Variation};
-use crate::bake::{self, BakeOptions, Baked, Base, Drive, Helped, RootMotion};
+use crate::bake::{self, BakeOptions, Baked, Base, Curves, Drive, Helped, RootMotion};
 use crate::export::engine::Engine;
 use crate::export::{self, Exported, Form};
 use crate::model::Scenario;
@@ -195,6 +195,7 @@ pub fn options(settings: &BakeSettings, name: &str, base: Option<Arc<Base>>) -> 
         },
         base,
         looped: settings.looped,
+        curves: if settings.curves == "spline" { Curves::Spline } else { Curves::Linear },
     }
 }
 

@@ -35,6 +35,15 @@ impl From<Root> for RootMotion {
     }
 }
 
+impl From<args::Curves> for bake::Curves {
+    fn from(curves: args::Curves) -> bake::Curves {
+        match curves {
+            args::Curves::Linear => bake::Curves::Linear,
+            args::Curves::Spline => bake::Curves::Spline,
+        }
+    }
+}
+
 /// Runs a scenario on a rig.
 pub fn bake(rig: &Rig, scenario: &Scenario, base: Option<Arc<Base>>, args: &BakeArgs) -> Result<Baked, Failure> {
     let root = RootMotion::from(args.root);
@@ -50,8 +59,16 @@ pub fn bake(rig: &Rig, scenario: &Scenario, base: Option<Arc<Base>>, args: &Bake
         args::Drive::Stepper => Drive::Stepper,
         args::Drive::Ragdoll => Drive::Ragdoll(helped),
     };
-    let options =
-        BakeOptions { name: args.clip.clone(), fps: args.fps, seed: args.seed, root, drive, base, looped: args.looped };
+    let options = BakeOptions {
+        name: args.clip.clone(),
+        fps: args.fps,
+        seed: args.seed,
+        root,
+        drive,
+        base,
+        looped: args.looped,
+        curves: args.curves.into(),
+    };
     bake::bake(rig, scenario, &options).map_err(|error| match error {
         BakeError::Unplayed { .. } | BakeError::Base(_) | BakeError::NoCycle { .. } => {
             Failure::bad_input(error.to_string())

@@ -34,7 +34,7 @@ pub fn run(args: &RetargetArgs) -> Result<Exit, Failure> {
         Root::Hips => RootMotion::Hips,
         Root::InPlace => RootMotion::InPlace,
     };
-    let options = RetargetOptions { name: args.name.clone(), fps: args.fps, root };
+    let options = RetargetOptions { name: args.name.clone(), fps: args.fps, root, curves: args.curves.into() };
     let what = format!("retargeting \"{}\" onto {}", source.name, args.rig.display());
     let Some(made) = busy(&what, || retargeted(&rig, &source, &options)) else {
         let what = format!(

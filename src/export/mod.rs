@@ -8,6 +8,7 @@ mod buffers;
 pub mod engine;
 pub mod events;
 pub mod glb;
+mod held;
 mod props;
 pub mod root_joint;
 mod tpose;

@@ -145,6 +145,8 @@ pub struct BakeSettings {
     pub props: bool,
     /// Only a cycle.
     pub looped: bool,
+    /// `linear` or `spline`.
+    pub curves: &'static str,
     /// VRM animations instead of copies of the rig.
     pub vrma: bool,
     /// Engines whose helper stands beside the clips, each once, in the order of [`ENGINES`].
@@ -163,6 +165,7 @@ impl Default for BakeSettings {
             assist: None,
             props: false,
             looped: false,
+            curves: "linear",
             vrma: false,
             engines: Vec::new(),
         }

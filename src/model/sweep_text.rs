@@ -352,6 +352,9 @@ fn combine(root: &mut Reader<'_, '_>, axes: &[Axis], rules: &mut Rules) -> Combi
     sampled.or(ordered).unwrap_or(Combine::Product)
 }
 
+/// How keys are joined.
+const CURVES: [&str; 2] = ["linear", "spline"];
+
 fn bake_settings(mut table: Reader<'_, '_>) -> BakeSettings {
     let default = BakeSettings::default();
     let words = |words: [&'static str; 3]| words.map(|word| (word, word));
@@ -369,6 +372,7 @@ fn bake_settings(mut table: Reader<'_, '_>) -> BakeSettings {
         },
         props: table.truth("props").unwrap_or(default.props),
         looped: table.truth("loop").unwrap_or(default.looped),
+        curves: table.choice("curves", &CURVES.map(|word| (word, word))).unwrap_or(default.curves),
         vrma: table.choice("format", &[("glb", false), ("vrma", true)]).unwrap_or(default.vrma),
         engines: engines(&mut table),
     };

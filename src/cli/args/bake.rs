@@ -1,7 +1,7 @@
 //! The arguments of the commands that bake: `bake` and `batch`.
 
 use super::super::forms::{assist, clip_name, engine, fps, glb_path, numbers, png_path, svg_path};
-use super::{Assist, Drive, Root};
+use super::{Assist, Curves, Drive, Root};
 use crate::export::engine::Engine;
 use clap::ArgGroup;
 use std::path::PathBuf;
@@ -49,6 +49,9 @@ pub struct BakeArgs {
     /// Limit of the helping torque (N m) and force (N) on the ragdoll's root
     #[arg(long, value_name = "off|auto|NM[,N]", default_value = "auto", value_parser = assist)]
     pub assist: Assist,
+    /// How the keys are joined
+    #[arg(long, value_enum, default_value_t = Curves::Linear)]
+    pub curves: Curves,
     /// Also write the ground, the platform, boxes and balls into the file, as animated nodes
     #[arg(long)]
     pub props: bool,

@@ -1,7 +1,7 @@
 //! The arguments of the commands that read clips: `audit`, `correct` and `retarget`.
 
 use super::super::forms::{axis, clip_name, csv_path, fps, glb_path, html_path, number, rule, toml_path};
-use super::Root;
+use super::{Curves, Root};
 use crate::model::findings::Rule;
 use std::path::PathBuf;
 
@@ -109,6 +109,9 @@ pub struct RetargetArgs {
     /// Which node carries the movement over the ground (root motion)
     #[arg(long, value_enum, default_value_t = Root::Root)]
     pub root: Root,
+    /// How the keys are joined
+    #[arg(long, value_enum, default_value_t = Curves::Linear)]
+    pub curves: Curves,
     /// The clip file's up axis, if it is not recognised: X, Y or Z, also with a sign (-Z)
     #[arg(long, value_name = "AXIS", value_parser = axis, allow_hyphen_values = true)]
     pub up: Option<String>,

@@ -188,6 +188,7 @@ fn bake_text(bake: &BakeSettings) -> String {
     // A VRM animation holds no meshes.
     line(bake.props && !bake.vrma, "props = true".into());
     line(bake.looped, "loop = true".into());
+    line(bake.curves == "spline", "curves = \"spline\"".into());
     line(bake.vrma, "format = \"vrma\"".into());
     line(!bake.engines.is_empty(), format!("engine = {:?}", bake.engines));
     text
