@@ -1,6 +1,8 @@
 //! The integration tests, one binary: each module says what it holds. A new test goes into the module of the thing that
 //! a user would see break; helpers that two modules need go into `common`.
 
+/// What a file must say so that every program plays it alike: keys apart, floats, two keys a channel, what other clips move.
+mod alike;
 /// Row order of `src/lib.rs`, names in their places, shape of files.
 mod architecture;
 /// The articulated body: standing, shoved, helped, repeated.

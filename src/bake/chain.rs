@@ -12,9 +12,9 @@ use glam::{DAffine3, DQuat, DVec3};
 /// The chain of nodes that carries a few points.
 #[derive(Clone, Debug)]
 pub(super) struct Chain {
-    base: DAffine3,                  // scenario space from the document's world
-    new_root: [Option<usize>; 2],    // tracks: translation, rotation
-    links: Vec<Link>,                // parents first
+    base: DAffine3,                   // scenario space from the document's world
+    new_root: [Option<usize>; 2],     // tracks: translation, rotation
+    links: Vec<Link>,                 // parents first
     points: Vec<Vec<(usize, DVec3)>>, // by set; link, point in its node
 }
 
@@ -51,13 +51,7 @@ impl Held {
 
 impl Chain {
     /// The chain of one foot, whose sets are the points that a contact of each part holds, in the order of [`Part`].
-    pub(super) fn of_foot(
-        rig: &Rig,
-        poser: &Poser,
-        side: Side,
-        track: TrackOf,
-        new_root: [Option<usize>; 2],
-    ) -> Chain {
+    pub(super) fn of_foot(rig: &Rig, poser: &Poser, side: Side, track: TrackOf, new_root: [Option<usize>; 2]) -> Chain {
         let points = |part| held_points(&rig.body, side, part).into_iter().map(|point| (point.joint, point.offset));
         let sets = PARTS.map(|part| points(part).collect());
         Chain::to(rig, poser, &sets, track, new_root)

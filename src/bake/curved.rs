@@ -130,7 +130,7 @@ impl Frames<'_> {
     fn put_back(&mut self, contacts: &[Held], legs: &[Chain; 2], turn: &dyn Fn(f64) -> DQuat) {
         let times: Vec<f64> = self.times.iter().map(|time| f64::from(*time)).collect();
         let root = self.root();
-                for pass in 1..PUT_BACK {
+        for pass in 1..PUT_BACK {
             let mut missing: Vec<(usize, usize)> = Vec::new(); // frame, side
             for (contact, start, end) in contacts {
                 let leg = &legs[contact.side as usize];

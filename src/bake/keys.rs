@@ -8,15 +8,15 @@
 use super::chain::Chain;
 use super::contacts::FootContact;
 use super::curved::Held;
-use super::key_times::{SAME_EDGE, edges, grid, snapped};
 pub(crate) use super::key_times::NEAREST;
+use super::key_times::{SAME_EDGE, edges, grid, snapped};
 use super::leverage::Leverage;
 use super::root_motion::{RootCurve, RootMotion};
 use super::track::{Frame, STEEP, Track, stored, stored_rotation, stored_translation};
 use crate::model::{BodyPose, Channel, Clip, Interpolation, KeyValues, Side, Target};
 use crate::rig::animate::{Poser, RootCarrier, RootMove};
 use crate::rig::{Rig, Trs};
-use glam::{DQuat, DVec4};
+use glam::{DQuat, DVec3, DVec4};
 use std::collections::BTreeMap;
 
 /// rad: what reduction may change in planted legs and what carries them, 0.05 degrees.
@@ -91,7 +91,8 @@ pub fn keyed_clip_on(input: &KeyInput, turn: &dyn Fn(f64) -> DQuat, height: &dyn
     let edges = edges(input.contacts, duration);
     let finer = if straight { (FINEST / input.fps - 1e-6).ceil().max(1.0) } else { 1.0 };
     let grid = grid(input.fps * finer, duration, &edges);
-    frames.curve.key(&grid.iter().map(|time| f64::from(*time)).collect::<Vec<f64>>(), straight);
+    let knots: Vec<f64> = grid.iter().map(|time| f64::from(*time)).collect();
+    frames.curve.key(&knots, straight, frames.carrier_at_rest());
     for (at, time) in grid.into_iter().enumerate() {
         frames.insert(at, time);
     }
@@ -127,15 +128,8 @@ impl<'a> Frames<'a> {
             };
             RootCurve::follow(&poses, &heights, dt, travels)
         };
-        let mut frames = Frames {
-            input,
-            carrier,
-            curve,
-            times: Vec::new(),
-            tracks: Vec::new(),
-            locals: Vec::new(),
-            poser,
-        };
+        let mut frames =
+            Frames { input, carrier, curve, times: Vec::new(), tracks: Vec::new(), locals: Vec::new(), poser };
         let leverage = Leverage::new(&input.rig.body);
         match carrier {
             RootCarrier::New => frames.add_tracks(Target::NewRoot, input.rig.document_from_scenario.scale.recip()),
@@ -152,7 +146,9 @@ impl<'a> Frames<'a> {
                     let bend = if drive.joint == 0 { leverage.place() } else { f64::INFINITY };
                     frames.tracks.push(Track::moving(target, frames.metres(node), PLACE_TOLERANCE, bend));
                 }
-                frames.tracks.push(Track::turning(target, leverage.seen(drive.joint), leverage.turn(drive.joint)));
+                let mut turning = Track::turning(target, leverage.seen(drive.joint), leverage.turn(drive.joint));
+                turning.reach = leverage.reach(drive.joint);
+                frames.tracks.push(turning);
             }
         }
         frames
@@ -178,6 +174,14 @@ impl<'a> Frames<'a> {
             }
         }
         legs
+    }
+
+    /// m, scenario space: where the node that carries the travel is at rest.
+    fn carrier_at_rest(&self) -> DVec3 {
+        match self.carrier {
+            RootCarrier::Node(node) => self.poser.reference_globals()[node].translation,
+            _ => self.input.rig.document_from_scenario.inverse_point(DVec3::ZERO),
+        }
     }
 
     /// The tracks of a root over the scene's: translation, rotation.
@@ -230,7 +234,7 @@ impl<'a> Frames<'a> {
     }
 
     /// What every track has at a time.
-    fn values_at(&mut self, time: f64) -> Vec<DVec4> {
+    pub(super) fn values_at(&mut self, time: f64) -> Vec<DVec4> {
         let pose = (self.input.pose)(time);
         let motion = if self.carrier == RootCarrier::None { RootMove::IDENTITY } else { self.curve.at(time) };
         self.poser.locals(&pose, self.carrier, &motion, &mut self.locals);

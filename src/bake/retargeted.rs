@@ -67,7 +67,16 @@ pub fn retargeted(rig: &Rig, source: &Capture, options: &RetargetOptions) -> Opt
     let contacts = if belt(source).is_none() { contacts(source, &capture) } else { Vec::new() };
     let pose = |time: f64| pose_at(&capture, time);
     let key = |root_motion: RootMotion| {
-        keyed_clip(&KeyInput { rig, name: &name, fps, duration, pose: &pose, contacts: &contacts, root_motion, curves: options.curves })
+        keyed_clip(&KeyInput {
+            rig,
+            name: &name,
+            fps,
+            duration,
+            pose: &pose,
+            contacts: &contacts,
+            root_motion,
+            curves: options.curves,
+        })
     };
     let clip = key(options.root);
     // What is measured is the motion with its travel.

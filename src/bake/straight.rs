@@ -8,27 +8,36 @@
 use super::chain::{Chain, PARTS};
 use super::curved::Held;
 use super::keys::Frames;
-use super::track::{Track, Value};
+use super::track::{Track, Value, stored};
+use crate::measure::percentile;
+use crate::model::report::Part;
 use crate::model::{Role, Side, Target};
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// m: the held points of a planted foot, of a person 1.75 m tall; so that they slide by less than is seen, not only by less than 0.5 mm.
-const PLANTED: f64 = 0.12e-3;
+/// m: the held points of a planted foot, of a person 1.75 m tall.
+const PLANTED: f64 = 0.2e-3;
+/// m/s: and how fast they may move, tried in this order until they keep to [`SLIDING`]. A line of h s that is off by d in its middle has
+/// points that move at 4 d / h at its ends.
+const PACES: [f64; 4] = [f64::INFINITY, 0.018, 0.013, 0.009];
+/// m/s: the 95th percentile of their speed, as `measure` takes it; some below the 10 mm/s that a planted foot may have.
+const SLIDING: f64 = 0.0085;
+/// Samples a frame for that.
+const PER_FRAME: f64 = 4.0;
 /// m: the points of a foot in the air.
-const SWUNG: f64 = 0.5e-3;
+const SWUNG: f64 = 0.4e-3;
 /// m: head and shoulders; hands may be off by these and as much again.
-const TRUNK: f64 = 1.0e-3;
+const TRUNK: f64 = 0.9e-3;
 /// m: hands.
-const HANDS: f64 = 2.0e-3;
+const HANDS: f64 = 1.6e-3;
 /// m: the hips, and whatever else is moved and not turned.
 const PLACE: f64 = 0.4e-3;
 /// m, height of the person that these lengths are of.
 const TALL: f64 = 1.75;
-/// rad: hips (0.05 degrees), what planted feet hang from (0.15), trunk and arms (0.3).
-const TURN: [f64; 3] = [0.05 * PI / 180.0, 0.15 * PI / 180.0, 0.3 * PI / 180.0];
-/// rad: what a track may lack where it is given fewer keys than its group, 0.003 degrees in legs and 0.03 above.
-const SPARED: [f64; 2] = [0.003 * PI / 180.0, 0.03 * PI / 180.0];
+/// rad: hips (0.05 degrees), legs (0.1), trunk and arms (0.3).
+const TURN: [f64; 3] = [0.05 * PI / 180.0, 0.1 * PI / 180.0, 0.3 * PI / 180.0];
+/// m, at the farthest joint that it carries: what a track may add to that where it is given fewer keys than its group, in legs and above.
+const SPARED: [f64; 2] = [0.03e-3, 0.06e-3];
 /// Of its group's keys: with fewer than that a track has times of its own, which take a quarter more bytes a key.
 const WORTH_IT: f64 = 0.75;
 /// s: lines no longer than that look like a curve to what measures accelerations below 7 Hz.
@@ -37,6 +46,10 @@ const SHORT: f64 = 0.05;
 const KICK: f64 = 0.06;
 /// s: no line is longer, but where nothing moves.
 const LONGEST: f64 = 0.5;
+/// s: frames that are put in come no closer.
+const CLOSEST: f64 = 2.0e-3;
+/// m: bends that are less than that cannot be seen.
+const BENT: f64 = 0.1e-3;
 /// Frames of a line that are looked at, at most.
 const LOOKED_AT: usize = 8;
 /// Of its tolerance: a track that changes by less has one value.
@@ -50,6 +63,7 @@ struct Watch<'a> {
     sets: Vec<usize>,
     exact: Vec<&'a [Vec<DVec3>]>, // by set, (frames): as the poses have them
     most: f64,                    // m
+    fastest: f64,                 // m/s
 }
 
 /// Tracks that get keys at the same times.
@@ -74,7 +88,12 @@ impl Posed {
 
     fn watch(&self, sets: &[usize], most: f64) -> Watch<'_> {
         let exact = sets.iter().map(|set| &self.exact[*set][..]).collect();
-        Watch { chain: &self.chain, sets: sets.to_vec(), exact, most }
+        Watch { chain: &self.chain, sets: sets.to_vec(), exact, most, fastest: f64::INFINITY }
+    }
+
+    /// The points that a part of the foot holds still.
+    fn held(&self, part: Part, near: Near) -> Watch<'_> {
+        Watch { fastest: near.pace, ..self.watch(&[part as usize], PLANTED * near.size) }
     }
 }
 
@@ -100,16 +119,18 @@ impl<'a> Group<'a> {
                 true => all[track].line(from, to, share),
                 false => all[track].reduced(times, frame, 0.0),
             };
-            self.tracks.iter().all(close) && self.watches.iter().all(|watch| watch.is_close(frame, &value))
+            self.tracks.iter().all(close) && self.watches.iter().all(|watch| watch.is_close(frame, seconds, &value))
         })
     }
 }
 
 impl Watch<'_> {
-    fn is_close(&self, frame: usize, value: &dyn Fn(usize) -> Value) -> bool {
+    /// Whether the points are where they should be at a frame of a line of that many seconds.
+    fn is_close(&self, frame: usize, seconds: f64, value: &dyn Fn(usize) -> Value) -> bool {
+        let most = self.most.min(self.fastest * seconds / 4.0);
         let places = self.chain.places(&self.sets, value);
         let exact = self.exact.iter().flat_map(|frames| &frames[frame]);
-        places.iter().zip(exact).all(|(place, exact)| place.distance(*exact) <= self.most)
+        places.iter().zip(exact).all(|(place, exact)| place.distance(*exact) <= most)
     }
 }
 
@@ -117,6 +138,13 @@ impl Watch<'_> {
 fn allowed(track: &Track, seconds: f64) -> f64 {
     let kick = if seconds > SHORT { track.bend * KICK * seconds / 8.0 } else { f64::INFINITY };
     track.tolerance.min(kick).max(ROUNDING)
+}
+
+/// How close keys keep to the poses.
+#[derive(Clone, Copy)]
+struct Near {
+    size: f64, // of the body, over the person's that the lengths are of
+    pace: f64, // m/s, of a planted foot's points
 }
 
 /// The tracks of a body's parts; none is in two.
@@ -144,7 +172,8 @@ impl Parts {
             roots: take(&|track| root == Some(frames.tracks[track].target)),
             hips: take(&|track| left.contains(&track) && right.contains(&track)),
             legs: [take(&|track| left.contains(&track)), take(&|track| right.contains(&track))],
-            trunk: take(&|track| trunk.contains(&track)),
+            // A chain to a shoulder has the turns of the arm there too.
+            trunk: take(&|track| trunk.contains(&track) && left_arm.contains(&track) == right_arm.contains(&track)),
             arms: [take(&|track| left_arm.contains(&track)), take(&|track| right_arm.contains(&track))],
             others: free.into_iter().map(|track| vec![track]).collect(),
         }
@@ -154,7 +183,6 @@ impl Parts {
 impl Frames<'_> {
     /// Chooses the keys.
     pub(super) fn choose_straight(&mut self, contacts: &[Held], legs: &[Chain; 2]) {
-        let times: Vec<f64> = self.times.iter().map(|time| f64::from(*time)).collect();
         let size = (self.input.rig.body.height / TALL).min(1.0);
         let trunk = self.chain_to(&[Role::Head, Role::LeftUpperArm, Role::RightUpperArm]);
         let arms = [
@@ -162,10 +190,15 @@ impl Frames<'_> {
             self.chain_to(&[Role::RightHand, Role::RightMiddleProximal]),
         ];
         let parts = Parts::new(self, legs, &trunk, &arms);
-        self.begin(&parts, &times, size);
-        let posed = [0, 1].map(|side| Posed::new(&legs[side], PARTS.len(), &self.tracks, times.len()));
-        self.lay_standing(contacts, &parts, &posed, &times, size);
-        self.lay_swinging(contacts, &parts, &posed, &times, size);
+        for pace in PACES {
+            let near = Near { size, pace };
+            self.refine(contacts, legs, [&trunk, &arms[0], &arms[1]], near);
+            self.lay_legs(contacts, legs, &parts, near);
+            if self.sliding(contacts, legs) <= SLIDING {
+                break;
+            }
+        }
+        let times = self.clock();
         let [left, right] = &arms;
         for (chain, tracks, most) in
             [(&trunk, &parts.trunk, TRUNK), (left, &parts.arms[0], HANDS), (right, &parts.arms[1], HANDS)]
@@ -179,8 +212,96 @@ impl Frames<'_> {
         let legs = parts.legs.iter().flatten().map(|track| (track, SPARED[0]));
         let above = parts.trunk.iter().chain(parts.arms.iter().flatten()).map(|track| (track, SPARED[1]));
         for (track, by) in legs.chain(above) {
-            self.tracks[*track].spare(&times, by / 2.0, WORTH_IT);
+            let track = &mut self.tracks[*track];
+            let most = if track.rotates { by / (2.0 * track.reach) } else { by / track.unit };
+            track.spare(&times, most * size, WORTH_IT);
         }
+    }
+
+    /// Puts frames in where even lines from frame to frame would be off.
+    fn refine(&mut self, contacts: &[Held], legs: &[Chain; 2], upper: [&Chain; 3], near: Near) {
+        let size = near.size;
+        let mut at = 0;
+        while at + 1 < self.times.len() {
+            let [from, to] = [self.times[at], self.times[at + 1]];
+            if f64::from(to - from) < 2.0 * CLOSEST || self.bends(at) < BENT * size {
+                at += 1;
+                continue;
+            }
+            let middle = from + (to - from) / 2.0;
+            let exact: Vec<Value> = self.values_at(f64::from(middle)).into_iter().map(stored).collect();
+            let off = |chain: &Chain, sets: &[usize]| {
+                let line = chain.places(sets, &|track| self.tracks[track].line(at, at + 1, 0.5));
+                let exact = chain.places(sets, &|track| exact[track]);
+                line.iter().zip(&exact).map(|(line, exact)| line.distance(*exact)).fold(0.0, f64::max)
+            };
+            let leg = |side: Side| {
+                let holds = |held: &&Held| held.0.side == side && held.1 <= from && to <= held.2;
+                let planted =
+                    contacts.iter().filter(holds).map(|held| off(&legs[side as usize], &[held.0.part as usize]));
+                planted.fold(0.0, f64::max) / PLANTED.min(near.pace * f64::from(to - from) / 4.0)
+            };
+            let swung = legs.iter().map(|leg| off(leg, &[0, 1, 2])).fold(0.0, f64::max) / SWUNG;
+            let [trunk, left, right] = upper.map(|chain| off(chain, &[0]));
+            let worst = [leg(Side::Left), leg(Side::Right), swung, trunk / TRUNK, left / HANDS, right / HANDS];
+            if worst.into_iter().fold(0.0, f64::max) > size {
+                self.insert(at + 1, middle);
+            } else {
+                at += 1;
+            }
+        }
+    }
+
+    /// m, about: how far off lines between a frame and the next may be, by what bends from the one before to the one after.
+    fn bends(&self, at: usize) -> f64 {
+        let (before, after) = (at.saturating_sub(1), (at + 2).min(self.times.len() - 1));
+        let bent = |track: &Track| {
+            let share = |from: usize, to: usize| {
+                f64::from((self.times[to] - self.times[from]) / (self.times[after] - self.times[before]))
+            };
+            let off = |frame: usize| {
+                track.difference(&track.line(before, after, share(before, frame)), &track.frames[frame].value)
+            };
+            off(at).max(off(at + 1)) * if track.rotates { 2.0 } else { track.unit }
+        };
+        self.tracks.iter().map(bent).fold(0.0, f64::max)
+    }
+
+    /// Hips and legs.
+    fn lay_legs(&mut self, contacts: &[Held], legs: &[Chain; 2], parts: &Parts, near: Near) {
+        let times = self.clock();
+        self.begin(parts, &times, near.size);
+        let posed = [0, 1].map(|side| Posed::new(&legs[side], PARTS.len(), &self.tracks, times.len()));
+        self.lay_standing(contacts, parts, &posed, &times, near);
+        self.lay_swinging(contacts, parts, &posed, &times, near.size);
+    }
+
+    /// m/s: the 95th percentile of the speed of what contacts hold.
+    fn sliding(&self, contacts: &[Held], legs: &[Chain; 2]) -> f64 {
+        let times = self.clock();
+        let step = 1.0 / (PER_FRAME * self.input.fps);
+        let mut speeds = Vec::new();
+        for (contact, start, end) in contacts {
+            let places = |time: f64| {
+                let frame = times.partition_point(|frame| *frame <= time).clamp(1, times.len() - 1) - 1;
+                let share = ((time - times[frame]) / (times[frame + 1] - times[frame])).clamp(0.0, 1.0);
+                let value = |track: usize| self.tracks[track].reduced(&times, frame, share);
+                legs[contact.side as usize].places(&[contact.part as usize], &value)
+            };
+            let [first, last] = [(f64::from(*start) / step).ceil(), (f64::from(*end) / step).floor()];
+            let mut before = places(first * step);
+            for tick in first as usize + 1..=last as usize {
+                let now = places(tick as f64 * step);
+                speeds.extend(before.iter().zip(&now).map(|(a, b)| a.distance(*b) / step));
+                before = now;
+            }
+        }
+        percentile(&speeds, 0.95)
+    }
+
+    /// s, of the frames.
+    fn clock(&self) -> Vec<f64> {
+        self.times.iter().map(|time| f64::from(*time)).collect()
     }
 
     /// The chain to those joints that the body has.
@@ -207,16 +328,15 @@ impl Frames<'_> {
                 track.frames.iter().all(|frame| track.difference(&first, &frame.value) <= STILL * track.tolerance);
             let is_root = parts.roots.contains(&index);
             let last = times.len() - 1;
-            let keeps = |at: usize| {
-                at == 0 || !track.still && (!is_root || at == last || self.curve.has_knot(times[at]))
-            };
+            let keeps =
+                |at: usize| at == 0 || !track.still && (!is_root || at == last || self.curve.has_knot(times[at]));
             track.keep = (0..times.len()).map(keeps).collect();
             track.settle(times);
         }
     }
 
     /// Hips, and the legs of the feet that are in contact.
-    fn lay_standing(&mut self, contacts: &[Held], parts: &Parts, posed: &[Posed; 2], times: &[f64], size: f64) {
+    fn lay_standing(&mut self, contacts: &[Held], parts: &Parts, posed: &[Posed; 2], times: &[f64], near: Near) {
         let last = times.len() - 1;
         let edges = contacts.iter().flat_map(|(_, start, end)| [self.frame_at(*start), self.frame_at(*end)]);
         let mut cuts: Vec<usize> = edges.chain([0, last]).collect();
@@ -230,7 +350,8 @@ impl Frames<'_> {
                 if self.frame_at(*start) <= span[0] && span[1] <= self.frame_at(*end) {
                     let side = contact.side as usize;
                     tracks.extend(&parts.legs[side]);
-                    watches.push(posed[side].watch(&[contact.part as usize], PLANTED * size));
+                    watches.push(posed[side].held(contact.part, near));
+                    watches.push(posed[side].watch(&[0, 1, 2], SWUNG * near.size));
                 }
             }
             let group = Group::new(&self.tracks, tracks.into_iter(), watches);

@@ -26,6 +26,7 @@ pub(super) struct Track {
     pub(super) unit: f64,          // m, what one of its own units makes; 1 for rotations
     pub(super) straight: bool,     // joined by straight lines and arcs
     pub(super) still: bool,        // has one value: not asked for where keys are joined by splines
+    pub(super) reach: f64,         // m, from a rotation to the farthest that it moves
     pub(super) tolerance: f64,     // of `chord` for rotations, of local units for translations
     pub(super) planted: f64,       // the same while a foot that it moves is planted
     pub(super) bend: f64,          // the same a second squared: what its acceleration may be off by
@@ -69,8 +70,24 @@ impl Track {
     fn new(target: Target, rotates: bool, tolerance: f64, bend: f64) -> Track {
         let (frames, keep, own, around, fits) = (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let (straight, still, moves, planted) = (false, false, [false; 2], tolerance);
-        let unit = 1.0;
-        Track { target, rotates, unit, straight, still, tolerance, planted, bend, moves, frames, keep, own, around, fits }
+        let (unit, reach) = (1.0, 1.0);
+        Track {
+            target,
+            rotates,
+            unit,
+            straight,
+            still,
+            reach,
+            tolerance,
+            planted,
+            bend,
+            moves,
+            frames,
+            keep,
+            own,
+            around,
+            fits,
+        }
     }
 
     pub(super) fn difference(&self, a: &Value, b: &Value) -> f64 {

@@ -140,8 +140,7 @@ fn make(
     let settings = &plan.sweep.bake;
     let baked =
         bake::bake(&rig, &scenario, &options(settings, &variation.name, base)).map_err(|error| error.to_string())?;
-    let form = Form { vrma: settings.vrma, props: settings.props, root_joint: root_joint(settings) };
-    let exported = export::baked(&rig, &baked, form).map_err(|error| error.to_string())?;
+    let exported = export::baked(&rig, &baked, form(settings)).map_err(|error| error.to_string())?;
     Ok(kept(&rig, baked, exported, settings, wanted))
 }
 
@@ -163,8 +162,19 @@ fn kept(rig: &Rig, baked: Baked, exported: Exported, settings: &BakeSettings, wa
     (files, Record { identity: String::new(), files: Vec::new(), measured, signature, cell, piece })
 }
 
+/// Which files are made.
+pub fn form(settings: &BakeSettings) -> Form {
+    Form {
+        vrma: settings.vrma,
+        props: settings.props && !settings.vrma,
+        root_joint: root_joint(settings),
+        only_animation: settings.only_animation,
+        no_contact_nodes: !settings.contact_nodes,
+    }
+}
+
 /// Whether an engine wants the root as a joint of the skins.
-pub fn root_joint(settings: &BakeSettings) -> bool {
+fn root_joint(settings: &BakeSettings) -> bool {
     settings.root == "root" && engines(settings).any(|engine| engine.root_is_joint)
 }
 

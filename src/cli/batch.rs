@@ -27,7 +27,8 @@ const MOST_TOLD: usize = 10;
 
 /// Bakes a sweep, or lists it, or writes a farm's job for it.
 pub fn run(args: &BatchArgs) -> Result<Exit, Failure> {
-    let (plan, scenarios) = planned(&args.sweep)?;
+    let (mut plan, scenarios) = planned(&args.sweep)?;
+    plan.sweep.bake.only_animation |= args.only_animation;
     for note in &plan.notes {
         tell(&format!("warning: {}: {note}", args.sweep.display()));
     }
@@ -140,6 +141,7 @@ fn check_flags(args: &BatchArgs, plan: &Plan) -> Result<(), Failure> {
         (true, true, _) => "a VRM animation holds one clip: leave --merge away, or `format` in [bake]",
         (true, _, true) => "props belong to one clip each: leave --merge away, or `props` in [bake]",
         (_, true, true) => "a VRM animation holds no meshes, so no props: leave one of them away in [bake]",
+        (_, _, true) if bake.only_animation => "props are meshes: leave them or `only_animation` away in [bake]",
         _ => return Ok(()),
     };
     Err(Failure::bad_input(format!("{}: {wrong}", args.sweep.display())))
@@ -184,8 +186,10 @@ fn effort(plan: &Plan, rigs: &[RigFile], open: &[&Variation]) -> (f64, f64) {
     let each = plan.seconds / plan.variations.len().max(1) as f64;
     let rate = EFFORT.iter().find(|(drive, _)| *drive == bake.drive).map_or(0.1, |(_, rate)| *rate);
     let keys = each * BYTES_A_SECOND * bake.fps / 30.0;
-    let bytes =
-        open.iter().map(|one| RECORD_BYTES + keys + if bake.vrma { 0.0 } else { rigs[one.rig].size as f64 }).sum();
+    let bytes = open
+        .iter()
+        .map(|one| RECORD_BYTES + keys + if bake.vrma || bake.only_animation { 0.0 } else { rigs[one.rig].size as f64 })
+        .sum();
     (open.len() as f64 * (0.03 + each * rate), bytes)
 }
 

@@ -82,15 +82,9 @@ pub fn is_vrma(output: &Path) -> bool {
     output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("vrma"))
 }
 
-/// Makes the files of a baked clip; `with_props`: the things beside the body too; `root_joint`: the root as a joint of the skins.
-pub fn exported(
-    rig: &Rig,
-    baked: &Baked,
-    output: &Path,
-    (props, root_joint): (bool, bool),
-) -> Result<Exported, Failure> {
-    export::baked(rig, baked, Form { vrma: is_vrma(output), props, root_joint })
-        .map_err(|error| Failure::failed(error.to_string()))
+/// Makes the files of a baked clip.
+pub fn exported(rig: &Rig, baked: &Baked, form: Form) -> Result<Exported, Failure> {
+    export::baked(rig, baked, form).map_err(|error| Failure::failed(error.to_string()))
 }
 
 /// A contact sheet as PNG bytes, with what stands beside the body.

@@ -8,7 +8,7 @@ use crate::bake::retargeted::{RetargetOptions, Retargeted, retargeted};
 use crate::disk::resolve;
 use crate::disk::writer::{self, Output};
 use crate::disk::{Exit, Failure};
-use crate::export;
+use crate::export::{self, Form};
 use crate::mocap::{self, ClipFile, Options};
 use serde_json::json;
 use std::path::Path;
@@ -45,7 +45,9 @@ pub fn run(args: &RetargetArgs) -> Result<Exit, Failure> {
         return Err(Failure::bad_input(format!("{}: {what}", args.clip_file.display())));
     };
     let failed = |error: export::ExportError| Failure::failed(error.to_string());
-    let written = export::glb(&rig, &[(made.clip.clone(), made.report.clone())]).map_err(failed)?;
+    let form = Form { only_animation: args.only_animation, no_contact_nodes: args.no_contact_nodes, ..Form::default() };
+    let mut written = export::glb(&rig, &[(form.clip(&made.clip), made.report.clone())]).map_err(failed)?;
+    written.bytes = form.file(written.bytes, &written.names).map_err(failed)?;
     let name = written.names.first().cloned().unwrap_or_else(|| made.clip.name.clone());
     let events_bytes = export::events_json([(name.as_str(), &made.report)]).map_err(failed)?;
     for warning in rig.mapping.warnings.iter().chain(&source.notes).chain(&written.changes) {

@@ -6,8 +6,8 @@
 //! Document units. The same input gives the same bytes.
 
 use super::buffers::Joined;
-use super::props::{self, PropChannel};
 use super::held::{self, Held};
+use super::props::{self, PropChannel};
 use super::{ExportError, events::report_json, root_joint};
 use crate::model::{Channel, Clip, ClipReport, Interpolation, KeyValues, Prop, Target};
 use crate::rig::Rig;

@@ -9,6 +9,7 @@ pub mod engine;
 pub mod events;
 pub mod glb;
 mod held;
+mod only_animation;
 mod props;
 pub mod root_joint;
 mod tpose;
@@ -18,6 +19,7 @@ pub use amend::{Amended, amend};
 pub use baked::{Exported, Form, baked, root_target};
 pub use events::events_json;
 pub use glb::{ExportedGlb, glb, glb_with_props, glb_with_root};
+pub use only_animation::only_animation;
 pub use tpose::t_pose;
 pub use vrma::{ExportedVrma, vrma};
 

@@ -147,6 +147,10 @@ pub struct BakeSettings {
     pub looped: bool,
     /// `linear` or `spline`.
     pub curves: &'static str,
+    /// Skeletons and clips alone.
+    pub only_animation: bool,
+    /// With the two nodes that show the contacts.
+    pub contact_nodes: bool,
     /// VRM animations instead of copies of the rig.
     pub vrma: bool,
     /// Engines whose helper stands beside the clips, each once, in the order of [`ENGINES`].
@@ -166,6 +170,8 @@ impl Default for BakeSettings {
             props: false,
             looped: false,
             curves: "linear",
+            only_animation: false,
+            contact_nodes: true,
             vrma: false,
             engines: Vec::new(),
         }

@@ -373,6 +373,8 @@ fn bake_settings(mut table: Reader<'_, '_>) -> BakeSettings {
         props: table.truth("props").unwrap_or(default.props),
         looped: table.truth("loop").unwrap_or(default.looped),
         curves: table.choice("curves", &CURVES.map(|word| (word, word))).unwrap_or(default.curves),
+        only_animation: table.truth("only_animation").unwrap_or(default.only_animation),
+        contact_nodes: table.truth("contact_nodes").unwrap_or(default.contact_nodes),
         vrma: table.choice("format", &[("glb", false), ("vrma", true)]).unwrap_or(default.vrma),
         engines: engines(&mut table),
     };

@@ -189,6 +189,8 @@ fn bake_text(bake: &BakeSettings) -> String {
     line(bake.props && !bake.vrma, "props = true".into());
     line(bake.looped, "loop = true".into());
     line(bake.curves == "spline", "curves = \"spline\"".into());
+    line(bake.only_animation, "only_animation = true".into());
+    line(!bake.contact_nodes, "contact_nodes = false".into());
     line(bake.vrma, "format = \"vrma\"".into());
     line(!bake.engines.is_empty(), format!("engine = {:?}", bake.engines));
     text
