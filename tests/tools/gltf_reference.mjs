@@ -16,7 +16,7 @@ export class Glb {
     const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
     const length = view.getUint32(12, true);
     this.json = JSON.parse(new TextDecoder().decode(bytes.subarray(20, 20 + length)));
-    this.data = bytes.slice(20 + length + 8);
+    this.data = bytes.slice(20 + length + 8, 20 + length + 8 + view.getUint32(20 + length, true));
     this.nodes = this.json.nodes ?? [];
     this.parents = new Map(this.nodes.flatMap((node, at) => (node.children ?? []).map((child) => [child, at])));
   }
@@ -25,9 +25,10 @@ export class Glb {
   array(index) {
     const { sparse, componentType, type, count, bufferView, byteOffset = 0, normalized } = this.json.accessors[index];
     if (sparse) throw new Error('sparse accessors are not read here');
+    const width = widths[type];
+    if (bufferView === undefined) return Array.from({ length: count }, () => new Array(width).fill(0));
     const view = this.json.bufferViews[bufferView];
     const Kind = kinds[componentType];
-    const width = widths[type];
     const stride = view.byteStride ?? width * Kind.BYTES_PER_ELEMENT;
     const start = (view.byteOffset ?? 0) + byteOffset;
     return Array.from({ length: count }, (_, at) => {
@@ -74,12 +75,12 @@ export class Glb {
     return { duration, at: (time) => new Map(tracks.map((track) => [track.key, sampled(track, time)])) };
   }
 
-  /** Every 10 ms of a clip: [{ time, places: one [x, y, z] a joint }]. */
-  samples(index, joints, step = STEP) {
+  /** Every 10 ms of a clip: [{ time, places: one [x, y, z] a joint }]. `end`: where another file's clip ends, s. */
+  samples(index, joints, end = null) {
     const { duration, at } = this.sampler(index);
-    const count = Math.floor(duration / step + 1e-7) + 1;
+    const count = Math.floor((end ?? duration) / STEP + 1e-7) + 1;
     return Array.from({ length: count }, (_, sample) => {
-      const time = sample * step;
+      const time = sample * STEP;
       return { time, places: this.places(at(time), joints) };
     });
   }
@@ -98,6 +99,31 @@ export class Glb {
     };
     return joints.map((joint) => world(joint).slice(12, 15));
   }
+}
+
+/**
+ * The file with its nodes called n0, n1, ..., without extras: for programs that tell nodes by name. Assimp 5.2 stops at nested extras.
+ */
+export function renamed(glb) {
+  const json = structuredClone(glb.json);
+  const strip = (value) => {
+    if (value === null || typeof value !== 'object') return;
+    delete value.extras;
+    Object.values(value).forEach(strip);
+  };
+  strip(json);
+  json.nodes.forEach((node, at) => { node.name = `n${at}`; });
+  const text = new TextEncoder().encode(JSON.stringify(json));
+  const length = Math.ceil(text.length / 4) * 4;
+  const bytes = new Uint8Array(28 + length + glb.data.length).fill(0x20, 20, 20 + length);
+  bytes.set(text, 20);
+  bytes.set(glb.data, 28 + length);
+  const words = [0x46546c67, 2, bytes.length, length, 0x4e4f534a];
+  const view = new DataView(bytes.buffer);
+  words.forEach((word, at) => view.setUint32(4 * at, word, true));
+  view.setUint32(20 + length, glb.data.length, true);
+  view.setUint32(24 + length, 0x004e4942, true);
+  return bytes;
 }
 
 function sampled({ keys, values, interpolation, turns }, time) {
@@ -127,7 +153,7 @@ function sampled({ keys, values, interpolation, turns }, time) {
 const dot = (a, b) => a.reduce((sum, x, i) => sum + x * b[i], 0);
 const unit = (value, turns) => (turns ? value.map((x) => x / Math.sqrt(dot(value, value))) : value);
 
-function slerp(a, b, u) {
+export function slerp(a, b, u) {
   const cosine = dot(a, b);
   const sign = cosine < 0 ? -1 : 1;
   const angle = Math.acos(Math.min(Math.abs(cosine), 1));
@@ -135,7 +161,8 @@ function slerp(a, b, u) {
   return unit(a.map((x, i) => from * x + to * sign * b[i]), true);
 }
 
-function composed(t, r, s) {
+/** A matrix, column by column. */
+export function composed(t, r, s) {
   const [x, y, z, w] = unit(r, true);
   const columns = [
     [1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)],
@@ -145,7 +172,7 @@ function composed(t, r, s) {
   return [...columns.flatMap((column, i) => [...column.map((value) => value * s[i]), 0]), ...t, 1];
 }
 
-function times(a, b) {
+export function times(a, b) {
   const product = new Array(16);
   for (let column = 0; column < 4; column += 1) {
     for (let row = 0; row < 4; row += 1) {

@@ -33,6 +33,8 @@ class Glb:
         accessor = self.json["accessors"][index]
         assert "sparse" not in accessor, "sparse accessors are not read here"
         kind, width, count = COMPONENTS[accessor["componentType"]], WIDTHS[accessor["type"]], accessor["count"]
+        if "bufferView" not in accessor:
+            return np.zeros((count, width))
         view = self.json["bufferViews"][accessor["bufferView"]]
         size = np.dtype(kind).itemsize
         start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
