@@ -96,8 +96,10 @@ def show(clip, owners=None):
 def drop_contacts():
     """Takes the contact nodes of this and of earlier imports away, with their part of the actions."""
     for owner in [one for one in bpy.data.objects if one.type == "EMPTY" and CONTACT.match(one.name) and not one.children]:
-        data = owner.animation_data
-        for action in {strip.action for track in data.nla_tracks for strip in track.strips if strip.action} if data else ():
+        tracks = owner.animation_data.nla_tracks if owner.animation_data else []
+        if not tracks:
+            continue  # not the importer's: a person's own object of that name
+        for action in {strip.action for track in tracks for strip in track.strips if strip.action}:
             slots = getattr(action, "slots", None)
             for slot in [slot for slot in slots or () if slot.identifier == f"OB{owner.name}"]:
                 slots.remove(slot)
