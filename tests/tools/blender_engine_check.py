@@ -4,7 +4,8 @@
 
 FOLDER holds surefoot_blender.py and NAME.glb with NAME.events.json, as `surefoot bake --engine blender` writes them. Each at 24, 25, 30 and 60
 frames a second: of a scene that has animation already and keeps its rate, and asked for; and in a new scene, which takes the clip's. Each file
-is imported twice, and written as FBX: one take for each armature and clip, none of a helper object.
+is imported twice, and written as FBX: one take for each armature and clip, none of a helper object. And a copy without meshes is put onto
+the armature that was imported from the whole file: its bones are where they are after an import of the whole.
 """
 
 import contextlib
@@ -127,6 +128,52 @@ def written(module, file: Path, fps) -> list[str]:
     return [f"takes of no armature: {strange}"] * bool(strange) + [f"no take of {lacking}: {found}"] * bool(lacking)
 
 
+def without_meshes(file: Path, copy: Path) -> None:
+    """The file's skeleton and clips: skins stay, or Blender would make no armature."""
+    data = file.read_bytes()
+    length = int.from_bytes(data[12:16], "little")
+    told = json.loads(data[20 : 20 + length])
+    for name in ("meshes", "materials", "textures", "images", "samplers"):
+        told.pop(name, None)
+    for node in told["nodes"]:
+        node.pop("mesh", None)
+        node.pop("skin", None)
+    text = json.dumps(told).encode()
+    text += b" " * (-len(text) % 4)
+    parts = [text, data[20 + length :]]
+    words = [b"glTF", (2).to_bytes(4, "little"), (20 + sum(map(len, parts))).to_bytes(4, "little"), len(text).to_bytes(4, "little"), b"JSON"]
+    copy.write_bytes(b"".join(words + parts))
+    copy.with_suffix(".events.json").write_bytes(file.with_suffix(".events.json").read_bytes())
+
+
+def heads(armature, frames: list[int]) -> list:
+    found = []
+    for frame in frames:
+        bpy.context.scene.frame_set(frame)
+        found.append({bone.name: (armature.matrix_world @ bone.head).copy() for bone in armature.pose.bones})
+    return found
+
+
+def check_onto(module, file: Path) -> list[str]:
+    """The clip of a file without meshes on the armature of the whole one."""
+    bpy.ops.wm.read_factory_settings()
+    module.load(file)
+    armature = next(one for one in bpy.data.objects if one.type == "ARMATURE")
+    frames = list(range(0, bpy.context.scene.frame_end + 1, 5))
+    due = heads(armature, frames)
+    armature.animation_data.action = None
+    for bone in armature.pose.bones:
+        bone.matrix_basis.identity()
+    there = set(bpy.data.objects)
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / file.name
+        without_meshes(file, copy)
+        module.load(copy, onto=armature.name)
+    problems = [f"{one.name} is left" for one in bpy.data.objects if one not in there]
+    off = max((now[name] - place).length for was, now in zip(due, heads(armature, frames)) for name, place in was.items())
+    return problems + [f"a bone is {off * 1000:.3f} mm off"] * (off > 1e-4)
+
+
 def main() -> int:
     folder = Path(sys.argv[1])
     files = [file for file in sorted(folder.glob("*.glb")) if file.with_suffix(".events.json").exists()]
@@ -137,6 +184,9 @@ def main() -> int:
             bad += bool(problems)
             what = {"new": "in a new scene", "asked": f"asked for {fps} fps", "has": f"beside animation at {fps} fps"}[way]
             print(f"{file.name} {what}: {'BAD' if problems else 'ok'}", *problems, sep="\n  ")
+        problems = check_onto(helper(folder), file)
+        bad += bool(problems)
+        print(f"{file.name} onto an armature that is there: {'BAD' if problems else 'ok'}", *problems, sep="\n  ")
     print(f"Blender {bpy.app.version_string}: {len(files)} files, {bad} bad")
     return 1 if bad or not files else 0
 

@@ -4,6 +4,7 @@
 #
 # blender --python surefoot_blender.py -- hero_shove.glb        imports the file, marks its clips and shows the last of them
 # or, of files that are imported already, in the text editor:   mark("/path/of/hero_shove.events.json"); show("hero_shove")
+# of a clip for a character that is there:                      load("/path/of/hero_shove.glb", onto="Armature")
 # A scene without animation takes the clip's frame rate (or yours: load(file, fps=24)); one that has some keeps its own. The frame range
 # becomes the clip's. The objects contact_L and contact_R go: each would be a take of its own in an FBX; the markers say the same.
 # Markers stand on whole frames: Blender has no others. The times in action["surefoot"] are exact.
@@ -108,8 +109,23 @@ def drop_contacts():
         bpy.data.objects.remove(owner)
 
 
-def load(file, fps=None):
-    """Imports a baked file, marks its clips and shows the last one; the number of markers."""
+def hand_over(clips, owners, armature):
+    """Puts the last of these clips on an armature that was there before, and takes the imported objects away."""
+    for clip in clips:
+        for owner, strip in strips_of(clip, owners):
+            if owner.type == "ARMATURE":
+                strip.action.use_fake_user = True
+                data = armature.animation_data or armature.animation_data_create()
+                data.action = strip.action
+                if hasattr(strip, "action_slot"):
+                    data.action_slot = strip.action_slot
+    for owner in owners:
+        bpy.data.objects.remove(owner)
+
+
+def load(file, fps=None, onto=None):
+    """Imports a baked file, marks its clips and shows the last one; the number of markers. `onto`: the name of the armature that
+    the clips are for: one with the same bones, as the file's own rig has when it was imported before."""
     sidecar = Path(file).with_suffix(".events.json")
     clip, report = list(json.loads(sidecar.read_text(encoding="utf-8")).items())[-1]
     render = bpy.context.scene.render
@@ -120,7 +136,10 @@ def load(file, fps=None):
     bpy.ops.import_scene.gltf(filepath=str(file))
     drop_contacts()
     count = mark(sidecar)
-    show(clip, [owner for owner in bpy.data.objects if owner not in there])
+    new = [owner for owner in bpy.data.objects if owner not in there]
+    show(clip, new)
+    if onto:
+        hand_over(json.loads(sidecar.read_text(encoding="utf-8")), new, bpy.data.objects[onto])
     return count
 
 
