@@ -92,6 +92,8 @@ mod retarget;
 mod retarget_cli;
 /// Clips x bodies and what came out, for the test and the bench.
 mod retarget_grid;
+/// Soles of a mesh whose weights are wrong on one side.
+mod rig_soles;
 /// Rigs made from others or from nothing: scales, axes, skins, naming conventions, lacking bones, overrides.
 mod rig_variants;
 /// Real rigs: bones, height, heading, unit.
