@@ -25,23 +25,23 @@ const SLIDING: f64 = 0.0085;
 /// Samples a frame for that.
 const PER_FRAME: f64 = 4.0;
 /// m: the points of a foot in the air.
-const SWUNG: f64 = 0.4e-3;
+const SWUNG: f64 = 0.3e-3;
 /// m: head and shoulders; hands may be off by these and as much again.
-const TRUNK: f64 = 0.9e-3;
+const TRUNK: f64 = 0.8e-3;
 /// m: hands.
-const HANDS: f64 = 1.6e-3;
+const HANDS: f64 = 1.4e-3;
 /// m: the hips, and whatever else is moved and not turned.
-const PLACE: f64 = 0.4e-3;
+const PLACE: f64 = 0.25e-3;
 /// m, height of the person that these lengths are of.
 const TALL: f64 = 1.75;
-/// rad: hips (0.05 degrees), legs (0.1), trunk and arms (0.3).
-const TURN: [f64; 3] = [0.05 * PI / 180.0, 0.1 * PI / 180.0, 0.3 * PI / 180.0];
+/// rad: hips (0.02 degrees: 0.3 mm at a foot in the air), legs (0.05), trunk and arms (0.2).
+const TURN: [f64; 3] = [0.02 * PI / 180.0, 0.05 * PI / 180.0, 0.2 * PI / 180.0];
 /// m, at the farthest joint that it carries: what a track may add to that where it is given fewer keys than its group, in legs and above.
 const SPARED: [f64; 2] = [0.03e-3, 0.06e-3];
 /// Of its group's keys: with fewer than that a track has times of its own, which take a quarter more bytes a key.
 const WORTH_IT: f64 = 0.75;
 /// s: lines no longer than that look like a curve to what measures accelerations below 7 Hz.
-const SHORT: f64 = 0.05;
+const SHORT: f64 = 0.04;
 /// s: as long as the kick of the corner between two lines lasts there.
 const KICK: f64 = 0.06;
 /// s: no line is longer, but where nothing moves.
