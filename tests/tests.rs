@@ -50,6 +50,8 @@ mod engines;
 mod export;
 /// The same for rigs that nobody here made: slip, keys, the Khronos validator.
 mod export_real;
+/// FBX files that are written, read back by ufbx.
+mod fbx_out;
 /// The run that the library's documentation shows.
 mod first_run;
 /// What the `gltf` crate refuses, loses or panics on, and is read here.

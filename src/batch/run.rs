@@ -140,7 +140,7 @@ fn make(
     let settings = &plan.sweep.bake;
     let baked =
         bake::bake(&rig, &scenario, &options(settings, &variation.name, base)).map_err(|error| error.to_string())?;
-    let form = Form { vrma: settings.vrma, props: settings.props, root_joint: root_joint(settings) };
+    let form = Form { kind: settings.format, props: settings.props, root_joint: root_joint(settings) };
     let exported = export::baked(&rig, &baked, form).map_err(|error| error.to_string())?;
     Ok(kept(&rig, baked, exported, settings, wanted))
 }
@@ -155,8 +155,7 @@ fn kept(rig: &Rig, baked: Baked, exported: Exported, settings: &BakeSettings, wa
         let report = serde_json::to_string(&baked.report).unwrap_or_default();
         Some(Piece { clip: baked.clip, report })
     } else {
-        let ending = if settings.vrma { "vrma" } else { "glb" };
-        files.push((ending.to_owned(), exported.file));
+        files.push((settings.format.ending().to_owned(), exported.file));
         files.push(("events.json".to_owned(), exported.events));
         None
     };

@@ -9,7 +9,7 @@ use crate::disk::writer::{self, Output};
 use crate::disk::{Exit, Failure};
 use crate::export::engine::{ENGINES, Engine};
 use crate::model::report::{Contact, JointTorque, Outcome, Part};
-use crate::model::{Scenario, Side};
+use crate::model::{FileKind, Scenario, Side};
 use crate::ragdoll::control::MOST_TORQUE;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -32,9 +32,9 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     places.extend(helpers.iter().map(PathBuf::as_path));
 
     // Everything that can be wrong with the arguments is told before the work starts.
-    if args.props && parts::is_vrma(&output) {
+    if let (true, Some(what)) = (args.props, FileKind::of(&output).without_props()) {
         return Err(Failure::bad_input(format!(
-            "{}: a VRM animation holds no meshes, so no props\n  help: leave --props away, or let the name end in .glb",
+            "{}: {what} holds no meshes, so no props\n  help: leave --props away, or let the name end in .glb",
             output.display()
         )));
     }

@@ -4,7 +4,7 @@ use super::args::{self, Assist, BakeArgs, Root};
 use crate::bake::{BakeError, BakeOptions, Baked, Base, Drive, Helped, RootMotion};
 use crate::disk::Failure;
 use crate::export::{Exported, Form};
-use crate::model::{Clip, ClipReport, Prop, Scenario};
+use crate::model::{Clip, ClipReport, FileKind, Prop, Scenario};
 use crate::rig::mannequin::{MannequinOptions, mannequin};
 use crate::rig::{Rig, clips};
 use crate::{bake, export, picture};
@@ -60,11 +60,6 @@ pub fn bake(rig: &Rig, scenario: &Scenario, base: Option<Arc<Base>>, args: &Bake
     })
 }
 
-/// Whether a file of that name is a VRM animation: the motion without the rig.
-pub fn is_vrma(output: &Path) -> bool {
-    output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("vrma"))
-}
-
 /// Makes the files of a baked clip; `with_props`: the things beside the body too; `root_joint`: the root as a joint of the skins.
 pub fn exported(
     rig: &Rig,
@@ -72,7 +67,7 @@ pub fn exported(
     output: &Path,
     (props, root_joint): (bool, bool),
 ) -> Result<Exported, Failure> {
-    export::baked(rig, baked, Form { vrma: is_vrma(output), props, root_joint })
+    export::baked(rig, baked, Form { kind: FileKind::of(output), props, root_joint })
         .map_err(|error| Failure::failed(error.to_string()))
 }
 

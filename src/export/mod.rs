@@ -7,6 +7,7 @@ mod baked;
 mod buffers;
 pub mod engine;
 pub mod events;
+pub mod fbx;
 pub mod glb;
 mod props;
 pub mod root_joint;
@@ -14,8 +15,9 @@ mod tpose;
 pub mod vrma;
 
 pub use amend::{Amended, amend};
-pub use baked::{Exported, Form, baked, root_target};
+pub use baked::{Exported, Form, baked, exported, root_target};
 pub use events::events_json;
+pub use fbx::{ExportedFbx, fbx};
 pub use glb::{ExportedGlb, glb, glb_with_props, glb_with_root};
 pub use tpose::t_pose;
 pub use vrma::{ExportedVrma, vrma};

@@ -145,8 +145,8 @@ pub struct BakeSettings {
     pub props: bool,
     /// Only a cycle.
     pub looped: bool,
-    /// VRM animations instead of copies of the rig.
-    pub vrma: bool,
+    /// What the clips are written as.
+    pub format: super::FileKind,
     /// Engines whose helper stands beside the clips, each once, in the order of [`ENGINES`].
     pub engines: Vec<&'static str>,
 }
@@ -163,7 +163,7 @@ impl Default for BakeSettings {
             assist: None,
             props: false,
             looped: false,
-            vrma: false,
+            format: super::FileKind::Glb,
             engines: Vec::new(),
         }
     }

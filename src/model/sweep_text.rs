@@ -369,7 +369,9 @@ fn bake_settings(mut table: Reader<'_, '_>) -> BakeSettings {
         },
         props: table.truth("props").unwrap_or(default.props),
         looped: table.truth("loop").unwrap_or(default.looped),
-        vrma: table.choice("format", &[("glb", false), ("vrma", true)]).unwrap_or(default.vrma),
+        format: table
+            .choice("format", &super::FileKind::ALL.map(|kind| (kind.ending(), kind)))
+            .unwrap_or(default.format),
         engines: engines(&mut table),
     };
     if settings.assist.is_some_and(|limits| limits.iter().any(|limit| *limit < 0.0)) {

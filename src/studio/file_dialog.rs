@@ -25,7 +25,7 @@ fn terms(purpose: Purpose) -> (&'static str, &'static str, &'static [&'static st
         Purpose::Base => ("A clip under the reaction", "Use", CLIPS, false),
         Purpose::Clip => ("Open a clip to audit", "Open", CLIPS, false),
         Purpose::Save => ("Save the scenario", "Save", &["toml"], true),
-        Purpose::Export => ("Export the clip", "Export", &["glb", "vrma"], true),
+        Purpose::Export => ("Export the clip", "Export", &["glb", "vrma", "fbx"], true),
         Purpose::Corrected => ("Save the corrected clip", "Save", CLIPS, true),
         Purpose::Sweep => ("Save the sweep", "Save", &["toml"], true),
         Purpose::Folder => ("Bake into a folder", "Bake here", &[], true),
