@@ -179,6 +179,7 @@ fn name(bones: &mut [Bone], rig: &Rig, changes: &mut Vec<String>) {
         Source::NewRoot | Source::Over => NEW_ROOT.to_owned(),
     };
     let mut taken: BTreeSet<String> = BTreeSet::new();
+    let mut unnamed = Vec::new();
     // The rig's own names first: a Root that is added gives way.
     let mut order: Vec<usize> = (0..bones.len()).collect();
     order.sort_by_key(|bone| !matches!(bones[*bone].source, Source::Node(_)));
@@ -195,11 +196,16 @@ fn name(bones: &mut [Bone], rig: &Rig, changes: &mut Vec<String>) {
             name = (2..).map(|number| format!("{name}_{number}")).find(|name| !taken.contains(name)).unwrap_or(name);
         }
         if name != wanted {
-            let why = if wanted.is_empty() { "a node without a name" } else { "bone" };
-            changes.push(format!("{why} \"{}\" is \"{name}\" in the FBX", shown(&wanted)).replace(" \"\" is", " is"));
+            match wanted.is_empty() {
+                true => unnamed.push(name.clone()),
+                false => changes.push(format!("bone \"{}\" is \"{name}\" in the FBX", shown(&wanted))),
+            }
         }
         taken.insert(name.clone());
         bones[index].name = name;
+    }
+    if !unnamed.is_empty() {
+        changes.push(format!("nodes without a name got one in the FBX: {}", some_of(&unnamed)));
     }
 }
 
@@ -213,6 +219,12 @@ pub fn held(name: &str) -> String {
         held.pop();
     }
     held
+}
+
+/// The first three names, and how many more.
+fn some_of(names: &[String]) -> String {
+    let more = if names.len() > 3 { format!(" and {} more", names.len() - 3) } else { String::new() };
+    names[..names.len().min(3)].join(", ") + &more
 }
 
 /// A name in a message.
@@ -259,12 +271,9 @@ fn place(bones: &mut [Bone], rig: &Rig, file_from_document: &DAffine3, changes: 
         bone.rest_from_node = back.map(|back| back * rest);
     }
     if !lost.is_empty() {
-        let names: Vec<&str> = lost.iter().take(3).map(String::as_str).collect();
-        let more = if lost.len() > 3 { format!(" and {} more", lost.len() - 3) } else { String::new() };
-        let names = names.join(", ");
-        changes.push(format!(
-            "{names}{more}: scaled in the rig. In the FBX bones have no scale, and are as long as they look"
-        ));
+        let names = some_of(&lost);
+        changes
+            .push(format!("{names}: scaled in the rig. In the FBX bones have no scale, and are as long as they look"));
     }
 }
 
