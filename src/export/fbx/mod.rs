@@ -37,10 +37,11 @@ pub struct ExportedFbx {
 /// The bytes of an FBX file of that clip.
 pub fn fbx(rig: &Rig, clip: &Clip, report: &ClipReport) -> Result<ExportedFbx, ExportError> {
     glb::check(rig, clip)?;
-    let skeleton = skeleton::Skeleton::new(rig, clip);
+    let mut skeleton = skeleton::Skeleton::new(rig, clip);
     let mut changes = skeleton.changes.clone();
     let take = take::Take::new(rig, clip, report, &skeleton, &mut changes)?;
     let name = take_name(&clip.name, &mut changes);
+    skeleton.set_aside(&take.frames);
     let animated = curves::curves(&skeleton, &take);
     let bytes = element::file(&document::document(&name, &skeleton, &take, &animated))?;
     let report = in_take(report, take.pace, &skeleton.file_from_document);

@@ -21,6 +21,11 @@ const CENTIMETRES: f64 = 100.0;
 /// Bytes of a name at most: a reader's own limit would cut it (Blender's is 63, and says so itself).
 const LONGEST_NAME: usize = 250;
 
+/// cm: 0.01 mm, more than Blender takes for the same place at 10 m.
+const ASIDE: f64 = 1e-3;
+/// cm: a bone that is moved less stays in its place.
+const LEFT: f64 = 1e-5;
+
 /// The bone that carries root motion where the rig has no root bone, as in a GLB.
 const NEW_ROOT: &str = "Root";
 
@@ -100,6 +105,21 @@ impl Skeleton {
             locals.push(local);
         }
         locals
+    }
+}
+
+impl Skeleton {
+    /// Moves the bind pose of bones that leave their place in the frames aside by [`ASIDE`]. Blender's importer joins a bone to its
+    /// parent where it rests at the very end of it, along its Y axis, and a bone that is joined cannot leave it.
+    pub fn set_aside(&mut self, frames: &[Vec<Trs>]) {
+        let binds: Vec<DAffine3> = self.bones.iter().map(|bone| bone.bind_global).collect();
+        for (index, bone) in self.bones.iter_mut().enumerate() {
+            let Some(parent) = bone.parent else { continue };
+            let place = binds[parent].inverse().transform_point3(binds[index].translation);
+            if frames.iter().any(|locals| locals[index].translation.distance(place) > LEFT) {
+                bone.bind_global.translation += binds[parent].matrix3.x_axis.normalize_or(DVec3::X) * ASIDE;
+            }
+        }
     }
 }
 
