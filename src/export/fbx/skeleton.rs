@@ -113,11 +113,13 @@ impl Skeleton {
     /// parent where it rests at the very end of it, along its Y axis, and a bone that is joined cannot leave it.
     pub fn set_aside(&mut self, frames: &[Vec<Trs>]) {
         let binds: Vec<DAffine3> = self.bones.iter().map(|bone| bone.bind_global).collect();
+        let mut asides = vec![0.0; binds.len()]; // each by one more than its parent, or they would be beside each other again
         for (index, bone) in self.bones.iter_mut().enumerate() {
             let Some(parent) = bone.parent else { continue };
             let place = binds[parent].inverse().transform_point3(binds[index].translation);
             if frames.iter().any(|locals| locals[index].translation.distance(place) > LEFT) {
-                bone.bind_global.translation += binds[parent].matrix3.x_axis.normalize_or(DVec3::X) * ASIDE;
+                asides[index] = asides[parent] + ASIDE;
+                bone.bind_global.translation += binds[parent].matrix3.x_axis.normalize_or(DVec3::X) * asides[index];
             }
         }
     }
@@ -143,7 +145,7 @@ fn wanted(rig: &Rig, clip: &Clip) -> Vec<bool> {
     });
     let mut wanted = vec![false; rig.nodes.len()];
     let body = rig.joint_nodes.iter().flatten().copied();
-    for node in moved.chain(body).chain(joints(rig)) {
+    for node in moved.chain(body).chain(rig.skin_joints()) {
         let mut at = Some(node).filter(|node| *node < wanted.len());
         while let Some(node) = at.filter(|node| !wanted[*node]) {
             wanted[node] = true;
@@ -151,13 +153,6 @@ fn wanted(rig: &Rig, clip: &Clip) -> Vec<bool> {
         }
     }
     wanted
-}
-
-/// Nodes that skins use.
-fn joints(rig: &Rig) -> BTreeSet<usize> {
-    let skins = rig.document.list("skins").iter();
-    let listed = skins.flat_map(|skin| skin["joints"].as_array().into_iter().flatten());
-    listed.filter_map(|joint| joint.as_u64().and_then(|joint| usize::try_from(joint).ok())).collect()
 }
 
 /// The bones, parents first, under one root; names and places are still to come.
@@ -299,7 +294,7 @@ fn place(bones: &mut [Bone], rig: &Rig, file_from_document: &DAffine3, changes: 
 
 /// (bones) which are null objects: those above all joints that are scaled alike in all axes, and what stands over them.
 fn nulls(bones: &[Bone], rig: &Rig) -> Vec<bool> {
-    let mut joints = joints(rig);
+    let mut joints: BTreeSet<usize> = rig.skin_joints().into_iter().collect();
     joints.extend(rig.joint_nodes.iter().flatten().copied());
     let (mut over, mut kept) = (vec![true; bones.len()], vec![false; bones.len()]);
     for (index, bone) in bones.iter().enumerate() {
