@@ -111,7 +111,8 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     say(&match args.json {
         true => as_json(&baked, &exported.name, Some(&places), &warnings),
         false => {
-            let next = if args.demo { next_steps(&output) } else { String::new() };
+            let next =
+                if args.demo && FileKind::of(&output) == FileKind::Glb { next_steps(&output) } else { String::new() };
             summary(&baked, &exported.name, &places, size) + &next
         }
     })?;
