@@ -146,11 +146,14 @@ fn objects(name: &str, skeleton: &Skeleton, take: &Take, animated: &[Animated], 
             moment("ReferenceStart", 0),
             moment("ReferenceStop", end),
         ])]);
+    // Assimp asks a layer for fields.
+    let weight = property("Weight", "Number", "", "A", vec![100.0.into()]);
+    let layer = Element::new("AnimationLayer", vec![LAYER.into(), object("BaseLayer", "AnimLayer"), "".into()])
+        .with([properties([weight])]);
     Element::new("Objects", Vec::new())
         .with(bones.iter().enumerate().map(|(index, bone)| attribute(index, bone)))
         .with(bones.iter().enumerate().map(|(index, bone)| model(index, bone)))
-        .with([bind_pose(bones), stack])
-        .with([Element::new("AnimationLayer", vec![LAYER.into(), object("BaseLayer", "AnimLayer"), "".into()])])
+        .with([bind_pose(bones), stack, layer])
         .with(animated.iter().enumerate().flat_map(|(index, one)| curves(index, one, take)))
 }
 
