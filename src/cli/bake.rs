@@ -157,7 +157,7 @@ fn next_steps(output: &Path) -> String {
     let mut text = format!(
         "\nTo look at it, drop {} into any glTF viewer, for example\n\
          https://gltf-viewer.donmccurdy.com, or into an engine that reads glTF; in Blender choose\n\
-         File > Import > glTF 2.0.\n\nTo bake onto your own rig (.glb, .gltf or .vrm):\n\n\
+         File > Import > glTF 2.0.\n\nTo bake onto your own rig (.glb, .gltf, .vrm or .fbx):\n\n\
          \x20   {program} new scenario -o shove.toml\n\
          \x20   {program} bake hero.glb shove.toml -o exports/hero_shove.glb\n",
         output.display()

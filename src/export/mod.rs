@@ -1,4 +1,4 @@
-//! Clips as bytes: the source document with animations appended, or a VRM animation; events and helpers for engines beside it. No file
+//! Clips as bytes: the source document with animations appended, a VRM animation or an FBX; events and helpers for engines beside it. No file
 //! is touched here.
 
 pub mod amend;

@@ -174,7 +174,7 @@ pub fn whole(size: USize64) -> usize {
 /// The JSON and, in a GLB, the BIN chunk.
 fn split<'a>(file: &str, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>), RigError> {
     if bytes.is_empty() {
-        return Err(wrong_kind(file, "is empty", "give a .glb, .gltf or .vrm file"));
+        return Err(wrong_kind(file, "is empty", "give a .glb, .gltf, .vrm or .fbx file"));
     }
     if !bytes.starts_with(b"glTF") {
         let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
@@ -229,9 +229,9 @@ fn refuse_kind(file: &str, bytes: &[u8]) -> RigError {
         );
     }
     if head.trim_start().starts_with("HIERARCHY") || lower.ends_with(".bvh") {
-        return wrong_kind(file, "is a BVH motion, not a rig", "give the .glb, .gltf or .vrm of the character");
+        return wrong_kind(file, "is a BVH motion, not a rig", "give the .glb, .gltf, .vrm or .fbx of the character");
     }
-    wrong_kind(file, "is not a glTF file", "give a .glb, .gltf or .vrm file")
+    wrong_kind(file, "is not a glTF file", "give a .glb, .gltf, .vrm or .fbx file")
 }
 
 fn check_head(file: &str, json: &Value) -> Result<(), RigError> {

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 #[command(override_usage = "surefoot bake [OPTIONS] <RIG> <SCENARIO> --output <OUT.glb|OUT.vrma|OUT.fbx>\n       \
                             surefoot bake [OPTIONS] <RIG> --demo")]
 pub struct BakeArgs {
-    /// The character: a .glb, .gltf or .vrm file, or `builtin` for the built-in rig
+    /// The character: a .glb, .gltf, .vrm or .fbx file, or `builtin` for the built-in rig
     #[arg(value_name = "RIG")]
     pub rig: PathBuf,
     /// What happens to it, in TOML; `surefoot new scenario` prints an example
