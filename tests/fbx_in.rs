@@ -180,11 +180,29 @@ fn recorded_fbx_files_are_rigs_too_and_take_a_clip() {
             .scenario_from_document()
             .inverse()
             .transform_point3(sampler.node_globals(0.5)[rig.hips_node()].translation)
-            * (100.0 / rig.document_from_scenario.scale);
+            * 100.0;
         let bone = rig.nodes[rig.hips_node()].name.clone().expect("a name");
         let off: DVec3 = shown[&bone].translation - hips;
-        assert!(off.length() < 0.05, "{name}: {off} cm");
+        assert!(off.length() / rig.document_from_scenario.scale < 0.05, "{name}: {off} cm");
         seen += 1;
     }
     assert!(seen > 0, "there are clips of that kind");
+}
+
+#[test]
+fn a_take_of_an_fbx_that_is_larger_than_a_person_fits_it_all_the_same() {
+    // Three times as large as it should be, as files of games often are.
+    let source = text(&builtin(), Written { unit: 1.0, ..CENTIMETRES }).replace(
+        "\"UnitScaleFactor\", \"double\", \"Number\", \"\",1\n",
+        "\"UnitScaleFactor\", \"double\", \"Number\", \"\",3\n",
+    );
+    let rig = read("large.fbx", source.as_bytes()).expect("a rig");
+    assert!(rig.document_from_scenario.scale > 2.0, "its unit is guessed: {}", rig.document_from_scenario.scale);
+    let clip = clip(&rig, RootMotion::Hips);
+    let made = fbx(&rig, &clip, &report(&clip)).expect("written");
+    let (first, take) = (places(&open(source.as_bytes()), None), places(&open(&made.bytes), None));
+    for (bone, at) in &take {
+        let off = (first[bone].translation * 3.0).distance(at.translation);
+        assert!(off < 1e-2, "{bone} rests {off} cm beside");
+    }
 }

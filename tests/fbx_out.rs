@@ -65,7 +65,7 @@ fn file_from_document(rig: &Rig) -> DAffine3 {
     let stands = &rig.document_from_scenario;
     let upright = (stands.rotation * DVec3::Y).y > 0.99;
     let turn = if upright { DQuat::IDENTITY } else { stands.rotation.inverse() };
-    DAffine3::from_scale_rotation_translation(DVec3::splat(100.0 / stands.scale), turn, DVec3::ZERO)
+    DAffine3::from_scale_rotation_translation(DVec3::splat(100.0), turn, DVec3::ZERO)
 }
 
 /// What a file must show: cm, by node, at a time of the clip.
@@ -101,7 +101,7 @@ fn farthest(rig: &Rig, clip: &Clip, made: &ExportedFbx, pace: f64) -> [(f64, Str
                 continue;
             }
             let Some(node) = node_of(rig, &name) else { continue };
-            let off = at.translation.distance(wanted[&node]) * 10.0;
+            let off = at.translation.distance(wanted[&node]) * 10.0 / rig.document_from_scenario.scale;
             let worst = &mut worst[half % 2];
             if off > worst.0 {
                 *worst = (off, format!("{name} at {time:.3} s"));
@@ -129,7 +129,7 @@ fn leave(name: &str, rig: &Rig, clip: &Clip, made: &ExportedFbx) {
         })
         .collect();
     let all: Vec<String> = places(&scene, None).into_keys().collect();
-    let told = json!({ "take": made.name, "fps": made.fps, "bones": all, "names": nodes.keys().collect::<Vec<_>>(), "frames": frames });
+    let told = json!({ "take": made.name, "units": rig.document_from_scenario.scale, "fps": made.fps, "bones": all, "names": nodes.keys().collect::<Vec<_>>(), "frames": frames });
     std::fs::write(made_path(&format!("{name}.fbx")), &made.bytes).expect("target can be written");
     std::fs::write(made_path(&format!("{name}.json")), told.to_string()).expect("target can be written");
 }
@@ -209,14 +209,19 @@ fn the_file_says_its_unit_axes_rate_and_take_and_holds_bones_under_one_root_only
             let told = made.changes.iter().any(|change| change.contains(&format!("\"{own}\"")) || own.is_empty());
             assert!(kept.contains(&own) || told, "{name}: {own} is neither there nor told of");
         }
-        for curve in &scene.anim_curves {
+        let named = |value: &ufbx::AnimValue| value.element.name.to_string();
+        for (curved, curve) in scene.anim_values.into_iter().flat_map(|value| {
+            let name = named(value);
+            value.curves.iter().flatten().map(move |curve| (name.clone(), curve))
+        }) {
             for key in &curve.keyframes {
                 let frame = key.time * 30.0;
                 assert!((frame - frame.round()).abs() < 1e-9, "{name}: a key at {} s", key.time);
             }
             let most = curve.keyframes.windows(2).map(|pair| (pair[1].value - pair[0].value).abs()).fold(0.0, f64::max);
-            assert!(most < 180.0, "{name}: a curve jumps by {most}");
+            assert!(curved != "R" || most < 180.0, "{name}: angles jump by {most} degrees");
         }
+        assert!(scene.anim_values.into_iter().any(|value| named(value) == "R"), "{name}: there are angles");
         assert_eq!(made, self::made(&rig, &clip), "{name}: the same bytes each time");
     }
 }
@@ -231,7 +236,8 @@ fn bones_rest_as_the_rig_does() {
         let unscaled = rig.nodes.iter().all(|node| (node.local.scale - DVec3::ONE).abs().max_element() < 1e-6);
         for (bone, at) in places(&scene, None).iter().filter(|(bone, _)| !twins.contains(bone.as_str())) {
             let Some(node) = node_of(&rig, bone) else { continue };
-            let off = (to_file.transform_point3(rests[node].translation) - at.translation).length() * 10.0;
+            let off = (to_file.transform_point3(rests[node].translation) - at.translation).length() * 10.0
+                / rig.document_from_scenario.scale;
             assert!(off < 0.01, "{name}: {bone} rests {off} mm beside");
             if unscaled && to_file.matrix3.x_axis.normalize().abs_diff_eq(DVec3::X, 1e-9) {
                 let turned: DMat3 = rests[node].matrix3.transpose() * at.matrix3;

@@ -3,7 +3,8 @@
     python3 tests/tools/fbx_assimp_check.py [FILE.fbx ..]     # without names: all of target/fbx
 
 Needs the program `assimp` (Debian: assimp-utils). `cargo test fbx_out` writes the files, and beside each where its bones must be on
-every frame (metres, Y up). Held: numbers are finite, joints within 0.5 mm, every bone there under its name, the take's name and rate.
+every frame (the file's metres, Y up; "units" of them are a metre of the body). Held: numbers are finite, joints within 0.5 mm, every
+bone there under its name, one take with its name.
 """
 
 import json
@@ -82,7 +83,7 @@ def check(path):
         walk(scene["rootnode"], unit, frame, at)
         for name, wanted in zip(told["names"], places):
             if name in at:
-                off = math.dist([part * CENTIMETRE for part in at[name]], wanted)
+                off = math.dist([part * CENTIMETRE for part in at[name]], wanted) / told["units"]
                 worst = max(worst, (off if math.isfinite(off) else math.inf, f"{name} on frame {frame}"))
     missing = [name for name in told["bones"] if name not in found]
     if missing:

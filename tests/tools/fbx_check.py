@@ -3,8 +3,8 @@
     python3.11 tests/tools/fbx_check.py [FILE.fbx ..]     # without names: all of target/fbx
 
 The python needs `pip install bpy==4.5.*`. `cargo test fbx_out` writes the files, and beside each what it must show: the take's name
-and rate, its bones, and where they are on every frame (metres, Y up). Held: joints within 0.5 mm, every bone there under its name,
-one armature or null object at the top, one action with the take's name, the scene at the take's rate.
+and rate, its bones, and where they are on every frame (the file's metres, Y up; "units" of them are a metre of the body). Held: joints
+within 0.5 mm, every bone there under its name, one object at the top, actions with the take's name, the scene at the take's rate.
 """
 
 import json
@@ -49,7 +49,8 @@ def check(path):
                 at.update((bone.name, owner.matrix_world @ bone.head) for bone in owner.pose.bones)
         for name, (x, y, z) in zip(told["names"], places):
             if name in at:
-                worst = max(worst, ((at[name] - Vector((x, -z, y))).length, f"{name} on frame {frame}"))
+                off = (at[name] - Vector((x, -z, y))).length / told["units"]
+                worst = max(worst, (off, f"{name} on frame {frame}"))
     if not worst[0] <= NEAR:
         faults.append(f"a joint is {worst[0] * 1e3:.3f} mm off: {worst[1]}")
     return faults, worst

@@ -21,7 +21,7 @@ const CENTIMETRES: f64 = 100.0;
 /// Bytes of a name at most: a reader's own limit would cut it (Blender's is 63, and says so itself).
 const LONGEST_NAME: usize = 250;
 
-/// cm: 0.01 mm, more than Blender takes for the same place at 10 m.
+/// cm of a body of usual size: 0.01 mm, more than Blender takes for the same place at 10 m.
 const ASIDE: f64 = 1e-3;
 /// cm: a bone that is moved less stays in its place.
 const LEFT: f64 = 1e-5;
@@ -70,6 +70,7 @@ pub struct Skeleton {
     /// The rig's document to the file's world (cm).
     pub file_from_document: DAffine3,
     file_from_scenario: DAffine3,
+    units: f64, // of the document a metre of the body
     /// What is other than in the rig, as sentences.
     pub changes: Vec<String>,
 }
@@ -85,7 +86,7 @@ impl Skeleton {
         name(&mut bones, rig, &mut changes);
         place(&mut bones, rig, &file_from_document, &mut changes);
         let file_from_scenario = file_from_document * rig.scenario_from_document().inverse();
-        Skeleton { bones, file_from_document, file_from_scenario, changes }
+        Skeleton { bones, file_from_document, file_from_scenario, units: rig.document_from_scenario.scale, changes }
     }
 
     /// Local transforms of the bones (cm) where the rig's nodes are at those places of scenario space.
@@ -117,24 +118,24 @@ impl Skeleton {
         for (index, bone) in self.bones.iter_mut().enumerate() {
             let Some(parent) = bone.parent else { continue };
             let place = binds[parent].inverse().transform_point3(binds[index].translation);
-            if frames.iter().any(|locals| locals[index].translation.distance(place) > LEFT) {
-                asides[index] = asides[parent] + ASIDE;
+            if frames.iter().any(|locals| locals[index].translation.distance(place) > LEFT * self.units) {
+                asides[index] = asides[parent] + ASIDE * self.units;
                 bone.bind_global.translation += binds[parent].matrix3.x_axis.normalize_or(DVec3::X) * asides[index];
             }
         }
     }
 }
 
-/// Metres and Y up for what the rig's document has: a document in metres and Y up keeps its own origin and heading.
+/// Centimetres for the document's units, which are metres by its format, and Y up. A rig that is larger or smaller than a person stays
+/// so, and keeps its origin and heading: the take must fit it.
 fn file_from_document(rig: &Rig, changes: &mut Vec<String>) -> DAffine3 {
     let stands = &rig.document_from_scenario;
     let upright = (stands.rotation * DVec3::Y).dot(DVec3::Y) > UPRIGHT;
-    let size = CENTIMETRES / stands.scale;
     let turned = if upright { DQuat::IDENTITY } else { stands.rotation.inverse() };
     if !upright {
         changes.push(format!("the rig's file has {} up: in the FBX +Y is up and +Z ahead", rig.mapping.up));
     }
-    DAffine3::from_scale_rotation_translation(DVec3::splat(size), turned, DVec3::ZERO)
+    DAffine3::from_scale_rotation_translation(DVec3::splat(CENTIMETRES), turned, DVec3::ZERO)
 }
 
 /// (nodes) whether it is part of the skeleton.
