@@ -107,13 +107,13 @@ fn a_written_take_is_read_again_as_a_rig_and_as_a_clip() {
     let again = read("take.fbx", &made.bytes).expect("a rig");
     assert!(apart(&rig, &again) < 0.1, "{} mm", apart(&rig, &again));
     let file = mocap::read("take.fbx", &made.bytes, &nothing, None).expect("a clip");
-    assert_eq!(file.clips, [baked.clip.name.clone()]);
+    assert_eq!(file.clips, std::slice::from_ref(&baked.clip.name));
     let capture = file.capture(0, &Options::default()).expect("it moves");
     assert!((capture.fps - 30.0).abs() < 1e-9);
     assert!((capture.frames() as f64 - baked.clip.duration * 30.0).abs() < 1.5, "{} frames", capture.frames());
     // Its own take is a clip of the document that a base can name, and a bake goes on from it.
     let names = surefoot::rig::clips::clip_names(&again);
-    assert_eq!(names, [baked.clip.name.clone()]);
+    assert_eq!(names, std::slice::from_ref(&baked.clip.name));
     let whole = glb(&again, &[(clip(&again, RootMotion::Root), report(&baked.clip))]).expect("written");
     let twice = read("take.glb", &whole.bytes).expect("a rig");
     assert_eq!(surefoot::rig::clips::clip_names(&twice).len(), 2);

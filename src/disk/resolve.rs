@@ -34,14 +34,11 @@ pub fn rig_with(path: &Path, bones: &BTreeMap<Role, Option<usize>>) -> Result<Ri
         return Ok(RigInput { rig: builtin_rig()?, files: Vec::new() });
     }
     plain_file(path, "a rig is a .glb, .gltf, .vrm or .fbx file; `builtin` is the built-in rig")?;
-    match ending(path).as_str() {
-        "toml" => {
-            return Err(Failure::bad_input(format!(
-                "{}: a scenario stands where the rig should\n  help: the order is `surefoot bake RIG SCENARIO -o OUT.glb`",
-                path.display()
-            )));
-        }
-        _ => {}
+    if ending(path) == "toml" {
+        return Err(Failure::bad_input(format!(
+            "{}: a scenario stands where the rig should\n  help: the order is `surefoot bake RIG SCENARIO -o OUT.glb`",
+            path.display()
+        )));
     }
     let rig = load_rig(path, bones)?;
     let files = files_of(&rig, path);

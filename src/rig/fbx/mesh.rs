@@ -1,6 +1,7 @@
 //! Meshes of an FBX as glTF meshes and skins: triangles by material, vertices with position, normal, texture coordinates, four weights.
 
 use super::{Buffer, affine};
+use glam::{DAffine3, DVec3};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use ufbx::{Mesh, Node, Scene, SkinDeformer};
@@ -38,10 +39,12 @@ pub fn add(
             notes.push("its meshes are too large: some were not read".into());
             break;
         }
-        let skin = mesh.skin_deformers.first().and_then(|skin| Skin::read(skin, places));
+        let placed = placed(node);
+        let skin = mesh.skin_deformers.first().and_then(|skin| Skin::read(skin, places, &placed));
+        let placed = if skin.is_some() { placed } else { DAffine3::IDENTITY };
         shapes += mesh.blend_deformers.count;
         skins += mesh.skin_deformers.count.saturating_sub(1);
-        let primitives = primitives(node, mesh, skin.as_ref(), out);
+        let primitives = primitives(node, (mesh, &placed), skin.as_ref(), out);
         if primitives.is_empty() {
             continue;
         }
@@ -49,6 +52,10 @@ pub fn add(
         drawn.meshes.push(json!({ "name": &*node.element.name, "primitives": primitives }));
         if let Some(skin) = skin {
             beyond += skin.beyond;
+            if let Some(fields) = list[place].as_object_mut().filter(|fields| !fields.contains_key("children")) {
+                // The joints place the mesh, not the node.
+                fields.retain(|field, _| !["translation", "rotation", "scale"].contains(&field.as_str()));
+            }
             list[place]["skin"] = drawn.skins.len().into();
             let binds = out.push(&skin.binds, "MAT4", false);
             drawn.skins.push(json!({ "joints": skin.joints, "inverseBindMatrices": binds }));
@@ -66,6 +73,13 @@ pub fn add(
     drawn
 }
 
+/// Where a node draws its mesh at rest: vertices of skinned meshes are stored there, in the document's world.
+fn placed(node: &Node) -> DAffine3 {
+    let placed = affine(&node.geometry_to_world);
+    let sound = placed.is_finite() && placed.inverse().is_finite();
+    if sound { placed } else { DAffine3::IDENTITY }
+}
+
 /// A skin as glTF has it.
 struct Skin {
     /// Nodes of the document.
@@ -79,12 +93,12 @@ struct Skin {
 }
 
 impl Skin {
-    fn read(skin: &SkinDeformer, places: &[Option<usize>]) -> Option<Skin> {
+    fn read(skin: &SkinDeformer, places: &[Option<usize>], placed: &DAffine3) -> Option<Skin> {
         let (mut joints, mut binds): (Vec<usize>, Vec<[f32; 16]>) = Default::default();
         let mut of_cluster: Vec<Option<usize>> = Vec::with_capacity(skin.clusters.count);
         for cluster in &skin.clusters {
             let node = cluster.bone_node.as_ref().and_then(|bone| *places.get(bone.element.typed_id as usize)?);
-            let bind = affine(&cluster.geometry_to_bone);
+            let bind = affine(&cluster.geometry_to_bone) * placed.inverse();
             of_cluster.push(node.filter(|_| bind.is_finite()).map(|node| {
                 let bind = glam::DMat4::from(bind).to_cols_array().map(|number| number as f32);
                 joints.push(node);
@@ -134,7 +148,7 @@ struct Vertices {
 }
 
 /// A primitive a material that the mesh uses.
-fn primitives(node: &Node, mesh: &Mesh, skin: Option<&Skin>, out: &mut Buffer) -> Vec<Value> {
+fn primitives(node: &Node, (mesh, placed): (&Mesh, &DAffine3), skin: Option<&Skin>, out: &mut Buffer) -> Vec<Value> {
     let materials = mesh.materials.count.max(1);
     let mut parts: Vec<Vertices> = (0..materials).map(|_| Vertices::default()).collect();
     let mut triangles = vec![0_u32; mesh.max_face_triangles.saturating_mul(3)];
@@ -145,8 +159,10 @@ fn primitives(node: &Node, mesh: &Mesh, skin: Option<&Skin>, out: &mut Buffer) -
         let part = mesh.face_material.get(index).map_or(0, |part| *part as usize).min(materials - 1);
         let count = 3 * ufbx::triangulate_face(&mut triangles, mesh, *face) as usize;
         for triangle in triangles[..count.min(triangles.len())].chunks_exact(3) {
-            let corners: Vec<u32> =
-                triangle.iter().filter_map(|corner| parts[part].corner(mesh, skin, *corner as usize)).collect();
+            let corners: Vec<u32> = triangle
+                .iter()
+                .filter_map(|corner| parts[part].corner((mesh, placed), skin, *corner as usize))
+                .collect();
             if corners.len() == 3 {
                 parts[part].indices.extend(corners);
             }
@@ -177,7 +193,7 @@ fn primitives(node: &Node, mesh: &Mesh, skin: Option<&Skin>, out: &mut Buffer) -
 
 impl Vertices {
     /// The vertex of a corner of a face; `None` where its place is none.
-    fn corner(&mut self, mesh: &Mesh, skin: Option<&Skin>, corner: usize) -> Option<u32> {
+    fn corner(&mut self, (mesh, placed): (&Mesh, &DAffine3), skin: Option<&Skin>, corner: usize) -> Option<u32> {
         let index = |exists: bool, indices: &[u32]| match exists {
             true => indices.get(corner).copied().unwrap_or(u32::MAX),
             false => u32::MAX,
@@ -192,8 +208,8 @@ impl Vertices {
             return Some(*vertex);
         }
         let place = mesh.vertex_position.values.get(key[1] as usize)?;
-        let place = [place.x, place.y, place.z];
-        if !place.iter().all(|part| part.abs() < FARTHEST) {
+        let place = placed.transform_point3(DVec3::new(place.x, place.y, place.z));
+        if !(place.abs().max_element() < FARTHEST) {
             return None;
         }
         let weights = match skin {
@@ -201,9 +217,10 @@ impl Vertices {
             None => None,
         };
         let vertex = self.places.len() as u32;
-        self.places.push(place.map(|part| part as f32));
+        self.places.push(place.as_vec3().to_array());
         if let Some(normal) = mesh.vertex_normal.values.get(key[2] as usize) {
-            let normal = glam::DVec3::new(normal.x, normal.y, normal.z).normalize_or(glam::DVec3::Y);
+            let turned = placed.matrix3.inverse().transpose() * DVec3::new(normal.x, normal.y, normal.z);
+            let normal = turned.normalize_or(DVec3::Y);
             self.normals.push(normal.as_vec3().to_array());
         }
         if let Some(uv) = mesh.vertex_uv.values.get(key[3] as usize) {
