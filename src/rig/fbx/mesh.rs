@@ -209,7 +209,7 @@ impl Vertices {
         }
         let place = mesh.vertex_position.values.get(key[1] as usize)?;
         let place = placed.transform_point3(DVec3::new(place.x, place.y, place.z));
-        if !(place.abs().max_element() < FARTHEST) {
+        if !place.is_finite() || place.abs().max_element() > FARTHEST {
             return None;
         }
         let weights = match skin {
