@@ -146,6 +146,13 @@ fn broken_fbx_files_and_those_of_no_humanoid_are_told_of_by_name() {
         "; FBX 7.4.0 project file\nFBXHeaderExtension: {\nFBXVersion: 7400\n}\nObjects: {\n}\nConnections: {\n}\n";
     let words = told("empty.fbx", empty.as_bytes());
     assert!(words.contains("no humanoid found"), "{words}");
+    for at in (own.len() / 20..own.len()).step_by(own.len() / 60) {
+        for letter in [b'9', b'-', b'}', b',', 0] {
+            let mut hurt = own.clone().into_bytes();
+            hurt[at] = letter;
+            let _ = read("hurt.fbx", &hurt);
+        }
+    }
     // Cut anywhere, a file is a rig or is told of; it never breaks the program.
     for part in 1..40 {
         let _ = read("cut.fbx", &own.as_bytes()[..own.len() * part / 40]);
@@ -205,4 +212,21 @@ fn a_take_of_an_fbx_that_is_larger_than_a_person_fits_it_all_the_same() {
         let off = (first[bone].translation * 3.0).distance(at.translation);
         assert!(off < 1e-2, "{bone} rests {off} cm beside");
     }
+}
+
+#[test]
+fn a_batch_bakes_takes_onto_an_fbx_under_the_names_of_its_plan() {
+    const SHOVE: &str = "title = \"shove\"\nduration = 1.0\n\n[[push]]\nstart = 0.3\nduration = 0.2\nforce = 100.0\ntoward = \"right\"\nat = \"chest\"\n";
+    const SWEEP: &str = "scenario = \"shove.toml\"\nrigs = [\"hero.fbx\"]\nname = \"s{seed}\"\n\n[vary]\nseed = [1, 2]\n\n[bake]\ndrive = \"stepper\"\nformat = \"fbx\"\n";
+    let hero = text(&builtin(), CENTIMETRES);
+    let shell = crate::shell::Shell::with(&[("hero.fbx", &hero), ("shove.toml", SHOVE), ("sweep.toml", SWEEP)]);
+    shell.run("batch sweep.toml -o out --no-sheet").exits(0);
+    for take in ["s1", "s2"] {
+        let bytes = std::fs::read(shell.path(&format!("out/hero/{take}.fbx"))).expect("it was baked");
+        assert_eq!(&*open(&bytes).anim_stacks[0].element.name, take);
+        assert!(shell.path(&format!("out/hero/{take}.events.json")).is_file());
+    }
+    let table = std::fs::read_to_string(shell.path("out/manifest.csv")).expect("a table");
+    assert!(table.contains("hero/s1.fbx"), "{table}");
+    shell.run("batch sweep.toml -o again --merge").exits(2).says(&["an FBX take holds one clip"]);
 }

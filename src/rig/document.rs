@@ -224,8 +224,8 @@ fn refuse_kind(file: &str, bytes: &[u8]) -> RigError {
     if head.starts_with("Kaydara FBX") || head.contains("FBX") || lower.ends_with(".fbx") {
         return wrong_kind(
             file,
-            "is an FBX file, which cannot be a rig",
-            "convert it: in Blender, File > Import > FBX, then File > Export > glTF 2.0 (.glb)",
+            "is an FBX file by its content, not what its name says",
+            "let its name end in .fbx",
         );
     }
     if head.trim_start().starts_with("HIERARCHY") || lower.ends_with(".bvh") {
