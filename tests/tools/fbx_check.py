@@ -1,4 +1,4 @@
-"""Written FBX files in Blender, imported at its defaults into its default scene (24 fps).
+"""Written FBX files in Blender, imported at their defaults by both of its importers into its default scene (24 fps).
 
     python3.11 tests/tools/fbx_check.py [FILE.fbx ..]     # without names: all of target/fbx
 
@@ -18,11 +18,15 @@ NEAR = 0.5e-3  # m
 FIRST = 1  # the frame on which the importer puts time 0
 
 
-def check(path):
+# File > Import > FBX, and what its menu calls legacy.
+IMPORTERS = {"fbx_import": bpy.ops.wm, "fbx": bpy.ops.import_scene}
+
+
+def check(path, importer):
     """Sentences of what is wrong, and the farthest joint in m."""
     told = json.loads(path.with_suffix(".json").read_text())
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.import_scene.fbx(filepath=str(path))
+    getattr(IMPORTERS[importer], importer)(filepath=str(path))
     scene = bpy.context.scene
     faults = []
     rate = scene.render.fps / scene.render.fps_base
@@ -63,11 +67,12 @@ def main():
         print(f"{folder} is empty: run `cargo test fbx_out` first")
         return 1
     bad = 0
-    for path in paths:
-        faults, worst = check(path)
+    for importer, path in ((importer, path) for importer in IMPORTERS for path in paths):
+        faults, worst = check(path, importer)
         bad += bool(faults)
-        print(f"{path.name}: {worst[0] * 1e3:.4f} mm at most ({worst[1]})" + "".join(f"\n  FAULT {fault}" for fault in faults))
-    print(f"Blender {bpy.app.version_string}: {len(paths)} files, {bad} with faults")
+        line = f"{importer} {path.name}: {worst[0] * 1e3:.4f} mm at most ({worst[1]})"
+        print(line + "".join(f"\n  FAULT {fault}" for fault in faults))
+    print(f"Blender {bpy.app.version_string}: {len(paths)} files by {len(IMPORTERS)} importers, {bad} with faults")
     return 1 if bad else 0
 
 
