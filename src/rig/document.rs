@@ -222,11 +222,7 @@ fn refuse_kind(file: &str, bytes: &[u8]) -> RigError {
     let lower = file.to_lowercase();
     let head = String::from_utf8_lossy(&bytes[..bytes.len().min(64)]).into_owned();
     if head.starts_with("Kaydara FBX") || head.contains("FBX") || lower.ends_with(".fbx") {
-        return wrong_kind(
-            file,
-            "is an FBX file by its content, not what its name says",
-            "let its name end in .fbx",
-        );
+        return wrong_kind(file, "is an FBX file by its content, not what its name says", "let its name end in .fbx");
     }
     if head.trim_start().starts_with("HIERARCHY") || lower.ends_with(".bvh") {
         return wrong_kind(file, "is a BVH motion, not a rig", "give the .glb, .gltf, .vrm or .fbx of the character");
