@@ -8,7 +8,7 @@ use crate::synthetic::{DURATION, held};
 use glam::{DQuat, DVec3};
 use std::path::PathBuf;
 use surefoot::bake::RootMotion;
-use surefoot::bake::keys::{KeyInput, keyed_clip};
+use surefoot::bake::keys::{Curves, KeyInput, keyed_clip};
 use surefoot::export::glb;
 use surefoot::model::BodyPose;
 use surefoot::model::report::Outcome;
@@ -55,6 +55,7 @@ fn real_rigs_keep_everything_and_show_the_pose() {
                 pose: &pose,
                 contacts: &[],
                 root_motion: mode,
+                curves: Curves::Linear,
             };
             let clip = keyed_clip(&input);
             let made = glb(&rig, &[(clip.clone(), report(&clip))]).expect("can be written");
@@ -111,6 +112,7 @@ fn real_bakes_keep_their_feet_with_few_keys() {
             pose: &|time| timeline.pose_at(time),
             contacts: &baked.performance.contacts,
             root_motion: RootMotion::Root,
+            curves: Curves::Linear,
         });
         let spent = start.elapsed().as_secs_f64() * 1e3;
         let mut sampler = rig.sampler(&clip);
@@ -166,7 +168,16 @@ fn the_khronos_validator_finds_nothing_that_the_source_did_not_have() {
     let write = |rig: &Rig, file: &str, source: &str| {
         let pose = |time: f64| waving(rig, time);
         let (name, fps, duration, contacts, root_motion) = ("shove", 30.0, DURATION, &[], RootMotion::Root);
-        let clip = keyed_clip(&KeyInput { rig, name, fps, duration, pose: &pose, contacts, root_motion });
+        let clip = keyed_clip(&KeyInput {
+            rig,
+            name,
+            fps,
+            duration,
+            pose: &pose,
+            contacts,
+            root_motion,
+            curves: Curves::Linear,
+        });
         let made = glb(rig, &[(clip.clone(), report(&clip))]).expect("can be written");
         std::fs::write(folder.path().join(format!("{file}.glb")), &made.bytes).expect("can be written");
         std::fs::write(folder.path().join(format!("{file}.glb.source")), source).expect("can be written");

@@ -12,7 +12,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
-use surefoot::bake::keys::{KeyInput, keyed_clip};
+use surefoot::bake::keys::{Curves, KeyInput, keyed_clip};
 use surefoot::bake::{BakeOptions, Baked, RootMotion, bake};
 use surefoot::export::{ExportedFbx, fbx};
 use surefoot::model::{BodyPose, Clip, ClipReport, Target};
@@ -317,9 +317,17 @@ fn a_loop_ends_on_a_frame_and_its_last_frame_is_its_first() {
         pose.turns[3] *= DQuat::from_rotation_x(0.3 * (time / 1.015 * std::f64::consts::TAU).sin());
         pose
     };
-    let (name, root_motion) = ("round_loop", RootMotion::Hips);
-    let clip =
-        keyed_clip(&KeyInput { rig: &rig, name, fps: 30.0, duration: 1.015, pose: &pose, contacts: &[], root_motion });
+    let (name, root_motion, curves) = ("round_loop", RootMotion::Hips, Curves::Linear);
+    let clip = keyed_clip(&KeyInput {
+        rig: &rig,
+        name,
+        fps: 30.0,
+        duration: 1.015,
+        pose: &pose,
+        contacts: &[],
+        root_motion,
+        curves,
+    });
     let made = fbx(&rig, &clip, &looped).expect("can be written");
     assert_eq!(made.changes.len(), 1, "{:?}", made.changes);
     let scene = open(&made.bytes);

@@ -11,7 +11,7 @@ use surefoot::export::glb;
 use surefoot::measure::percentile;
 use surefoot::model::report::Outcome;
 use surefoot::model::scenario::{Direction, Push, Scenario};
-use surefoot::model::{Body, Channel, Clip, ClipReport, Role};
+use surefoot::model::{Body, Channel, Clip, ClipReport, KeyValues, Role};
 use surefoot::rig::mannequin::BUILTIN;
 use surefoot::rig::{Rig, load, load_bytes};
 
@@ -110,6 +110,8 @@ pub struct Keys {
     pub channels: [usize; 2],
     /// Bytes that the clip adds to its rig's file.
     pub added: usize,
+    /// Bytes of its keys a second.
+    pub rate: f64,
 }
 
 impl Keys {
@@ -122,8 +124,28 @@ impl Keys {
         };
         let all: Vec<&Channel> = clip.channels.iter().collect();
         let moving: Vec<&Channel> = clip.channels.iter().filter(|channel| changes(channel)).collect();
-        Keys { share: share(&all), moving: share(&moving), channels: [all.len(), moving.len()], added: 0 }
+        Keys {
+            share: share(&all),
+            moving: share(&moving),
+            channels: [all.len(), moving.len()],
+            added: 0,
+            rate: rate(clip),
+        }
     }
+}
+
+/// Bytes of a clip's keys a second: what channels that have their times together, or equal values, take once.
+fn rate(clip: &Clip) -> f64 {
+    let bits = |values: &[f32]| values.iter().map(|value| value.to_bits()).collect::<Vec<u32>>();
+    let arrays = clip.channels.iter().flat_map(|channel| {
+        let values: Vec<f32> = match &channel.values {
+            KeyValues::Translation(keys) | KeyValues::Scale(keys) => keys.concat(),
+            KeyValues::Rotation(keys) => keys.concat(),
+        };
+        [(false, bits(&channel.times)), (true, bits(&values))]
+    });
+    let once: std::collections::BTreeSet<(bool, Vec<u32>)> = arrays.collect();
+    once.iter().map(|(_, array)| 4 * array.len()).sum::<usize>() as f64 / clip.duration
 }
 
 /// Whether a channel's value is not the same all the time.
@@ -172,8 +194,13 @@ pub fn shove(body: &Body, direction: f64, impulse: f64) -> Scenario {
 
 /// Bakes one shove and measures it.
 pub fn measured(rig: &Rig, direction: f64, impulse: f64) -> Measured {
+    measured_by(rig, direction, impulse, &BakeOptions::default())
+}
+
+/// The same with other options.
+pub fn measured_by(rig: &Rig, direction: f64, impulse: f64, options: &BakeOptions) -> Measured {
     let scenario = shove(&rig.body, direction, impulse);
-    let baked = bake(rig, &scenario, &BakeOptions::default()).expect("the simulation holds");
+    let baked = bake(rig, &scenario, options).expect("the simulation holds");
     let mut measured = of(&baked, direction, impulse);
     let size = |clips: &[(Clip, ClipReport)]| glb(rig, clips).expect("can be written").bytes.len();
     measured.keys.added = size(&[(baked.clip, baked.report)]) - size(&[]);
@@ -182,8 +209,13 @@ pub fn measured(rig: &Rig, direction: f64, impulse: f64) -> Measured {
 
 /// Bakes a whole grid, in order of direction, then impulse.
 pub fn grid(rig: &Rig, directions: &[f64], impulses: &[f64]) -> Vec<Measured> {
+    grid_by(rig, directions, impulses, &BakeOptions::default())
+}
+
+/// The same with other options.
+pub fn grid_by(rig: &Rig, directions: &[f64], impulses: &[f64], options: &BakeOptions) -> Vec<Measured> {
     let cells: Vec<(f64, f64)> = directions.iter().flat_map(|d| impulses.iter().map(|i| (*d, *i))).collect();
-    cells.par_iter().map(|(direction, impulse)| measured(rig, *direction, *impulse)).collect()
+    cells.par_iter().map(|(direction, impulse)| measured_by(rig, *direction, *impulse, options)).collect()
 }
 
 fn of(baked: &Baked, direction: f64, impulse: f64) -> Measured {

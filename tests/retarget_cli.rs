@@ -3,6 +3,7 @@
 use super::data;
 use std::path::Path;
 use std::process::Command;
+use surefoot::bake::Curves;
 use surefoot::bake::RootMotion;
 use surefoot::bake::retargeted::{RetargetOptions, retargeted};
 use surefoot::mocap::{Options, load};
@@ -38,7 +39,7 @@ fn a_baked_clip_of_a_tall_rig_plays_on_the_built_in_one() {
     let (name, back) = read("out.glb");
     assert_eq!(name, "borrowed");
     let rig = rig::load(&at("out.glb")).expect("a rig");
-    let options = RetargetOptions { name: None, fps: None, root: RootMotion::Root };
+    let options = RetargetOptions { name: None, fps: None, root: RootMotion::Root, curves: Curves::Linear };
     let meant = retargeted(&rig, &read("shoved.glb").1, &options).expect("a motion");
     assert_eq!(back.frames(), meant.capture.frames());
     let ankles = rig.body.feet.each_ref().map(|foot| foot.ankle);

@@ -103,6 +103,26 @@ fn every_convention_maps_with_and_without_its_toes_hands_and_neck() {
 }
 
 #[test]
+fn plain_words_map_without_neck_shoulders_hands_and_toes() {
+    let mut names = conventions().pop().expect("the last one").1;
+    let without = [UpperChest, Neck, LeftShoulder, RightShoulder, LeftHand, RightHand, LeftToes, RightToes];
+    names.insert(Chest, "chest".into());
+    names.retain(|role, _| !without.contains(role));
+    let wanted = "hip waist chest head l-arm l-forearm l-thigh l-leg l-foot r-arm r-forearm r-thigh r-leg r-foot";
+    let mut given: Vec<&str> = names.values().map(String::as_str).collect();
+    let mut words: Vec<&str> = wanted.split(' ').collect();
+    given.sort_unstable();
+    words.sort_unstable();
+    assert_eq!(given, words);
+    let rig = load_sticks(&names, &[]).expect("a rig");
+    assert_eq!(rig.mapping.method, "names: Plain words");
+    for (role, node) in &rig.mapping.bones {
+        assert_eq!(rig.nodes[*node].name.as_deref(), names.get(role).map(String::as_str), "{}", role.name());
+    }
+    assert_eq!(rig.mapping.bones.len(), names.len());
+}
+
+#[test]
 fn a_missing_arm_is_named_and_an_override_supplies_it() {
     let names = conventions().remove(0).1;
     let mut odd = names.clone();
@@ -254,6 +274,11 @@ fn conventions() -> Vec<(&'static str, BTreeMap<Role, String>)> {
             "CMU",
             ["l", "r"],
             "root lowerback upperback thorax lowerneck head {}clavicle {}humerus {}radius {}wrist {}femur {}tibia {}foot {}toes",
+        ),
+        (
+            "Plain words",
+            ["l", "r"],
+            "hip waist torso chest neck head {}-shoulder {}-arm {}-forearm {}-hand {}-thigh {}-leg {}-foot {}-toes",
         ),
     ];
     table

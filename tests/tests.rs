@@ -1,6 +1,8 @@
 //! The integration tests, one binary: each module says what it holds. A new test goes into the module of the thing that
 //! a user would see break; helpers that two modules need go into `common`.
 
+/// What a file must say so that every program plays it alike: keys apart, floats, two keys a channel, what other clips move.
+mod alike;
 /// Row order of `src/lib.rs`, names in their places, shape of files.
 mod architecture;
 /// The articulated body: standing, shoved, helped, repeated.
@@ -96,6 +98,8 @@ mod retarget;
 mod retarget_cli;
 /// Clips x bodies and what came out, for the test and the bench.
 mod retarget_grid;
+/// Soles of a mesh whose weights are wrong on one side.
+mod rig_soles;
 /// Rigs made from others or from nothing: scales, axes, skins, naming conventions, lacking bones, overrides.
 mod rig_variants;
 /// Real rigs: bones, height, heading, unit.

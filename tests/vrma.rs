@@ -11,7 +11,7 @@ use glam::{DQuat, DVec3};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use surefoot::bake::keys::{KeyInput, keyed_clip};
+use surefoot::bake::keys::{Curves, KeyInput, keyed_clip};
 use surefoot::bake::{BakeOptions, RootMotion, bake};
 use surefoot::export::vrma::{ExportedVrma, REQUIRED};
 use surefoot::export::{t_pose, vrma};
@@ -66,7 +66,7 @@ fn moving(rig: &Rig, time: f64) -> BodyPose {
 pub fn clip(rig: &Rig, root_motion: RootMotion) -> Clip {
     let pose = |time: f64| moving(rig, time);
     let (name, fps, duration, contacts) = ("all over", 30.0, LENGTH, &[]);
-    keyed_clip(&KeyInput { rig, name, fps, duration, pose: &pose, contacts, root_motion })
+    keyed_clip(&KeyInput { rig, name, fps, duration, pose: &pose, contacts, root_motion, curves: Curves::Linear })
 }
 
 pub fn made(rig: &Rig, clip: &Clip) -> ExportedVrma {

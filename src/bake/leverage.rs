@@ -13,6 +13,8 @@ use std::f64::consts::PI;
 const ZMP: [f64; 2] = [1.5e-3, 7.0e-3];
 /// Of the height: how far the farthest joint that a joint carries may be off, a millimetre and a half of a person.
 const PLACE: f64 = 0.9e-3;
+/// Of the height: what a joint that carries none reaches, a toe's length.
+const LEAST_REACH: f64 = 0.04;
 /// rad: what a joint may be off by, 0.1 degrees where it carries far, 0.5 where it carries next to nothing.
 const TURN: [f64; 2] = [0.1 * PI / 180.0, 0.5 * PI / 180.0];
 
@@ -55,6 +57,11 @@ impl Leverage {
     /// m/s²: what the hips' acceleration may be off by.
     pub(super) fn place(&self) -> f64 {
         ZMP[0] * GRAVITY / self.height
+    }
+
+    /// m, to the farthest joint that a joint carries; of one that carries none the end of what it moves.
+    pub(super) fn reach(&self, joint: usize) -> f64 {
+        self.reach[joint].max(LEAST_REACH * self.tall)
     }
 
     /// rad: what a joint's turn may be off by, for the eye.

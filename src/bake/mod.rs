@@ -10,15 +10,16 @@ mod balance;
 pub mod base;
 mod care;
 pub mod carried;
+mod chain;
 mod clearance;
 pub mod contacts;
+mod curved;
 pub mod feet;
 mod feet_based;
 pub mod footing;
 mod key_times;
 pub mod keys;
 mod knees;
-mod leg_chain;
 mod leverage;
 mod looped;
 pub mod perform;
@@ -30,6 +31,7 @@ mod report;
 pub mod retargeted;
 pub mod root_motion;
 pub(crate) mod spline;
+mod straight;
 mod swing;
 pub mod throws;
 pub mod timeline;
@@ -37,6 +39,7 @@ mod track;
 
 pub use auto::{Choice, Fall};
 pub use base::{Base, BaseError};
+pub use keys::Curves;
 pub use perform::{Performance, perform, perform_by};
 pub use ragdoll::{Drive, Helped};
 pub use root_motion::RootMotion;
@@ -65,6 +68,8 @@ pub struct BakeOptions {
     pub base: Option<Arc<Base>>,
     /// Only a cycle of it, without a seam.
     pub looped: bool,
+    /// How its keys are joined. Cycles and clips over a captured base are joined by straight lines all the same.
+    pub curves: Curves,
 }
 
 /// A baked clip and what is known of it.
@@ -124,6 +129,7 @@ impl Default for BakeOptions {
             drive: Drive::Stepper,
             base: None,
             looped: false,
+            curves: Curves::Linear,
         }
     }
 }
@@ -153,6 +159,8 @@ fn bake_by(rig: &Rig, scenario: &Scenario, options: &BakeOptions, drive: Drive) 
     let name = options.name.clone().unwrap_or_else(|| safe_name(&scenario.title));
     let timeline = &performance.timeline;
     let heights = footing::heights(&performance);
+    // A captured base trembles between its frames: curves through them would show it as kicks.
+    let curves = if timeline.over.is_some() { Curves::Linear } else { options.curves };
     let keyed = |root_motion: RootMotion| {
         let input = keys::KeyInput {
             rig,
@@ -162,11 +170,10 @@ fn bake_by(rig: &Rig, scenario: &Scenario, options: &BakeOptions, drive: Drive) 
             pose: &|time| timeline.pose_at(time),
             contacts: &performance.contacts,
             root_motion,
+            curves,
         };
         let height = |time: f64| interpolated(&heights, timeline.dt, time);
-        // A captured base trembles between its frames: curves through them would show it as kicks.
-        let keyed = if timeline.over.is_some() { keys::straight_clip_on } else { keys::keyed_clip_on };
-        keyed(&input, &|time| timeline.terrain.turn(time), &height)
+        keys::keyed_clip_on(&input, &|time| timeline.terrain.turn(time), &height)
     };
     let mut clip = keyed(options.root);
     if let Some(over) = &performance.timeline.over {

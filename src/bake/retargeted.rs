@@ -4,7 +4,7 @@
 //! goes, and moved so that it begins over the origin. Contacts are the source's stances; what the keys do is measured on the clip as read back.
 
 use super::contacts::{FootContact, held};
-use super::keys::{KeyInput, keyed_clip};
+use super::keys::{Curves, KeyInput, keyed_clip};
 use super::root_motion::RootMotion;
 use crate::maths::quat::yaw_of;
 use crate::measure::{Frame, KnownPush, Motion, PushPoint, measure};
@@ -29,6 +29,8 @@ pub struct RetargetOptions {
     pub fps: Option<f64>,
     /// Where the travel goes.
     pub root: RootMotion,
+    /// How its keys are joined.
+    pub curves: Curves,
 }
 
 /// A clip and what is known of it.
@@ -65,7 +67,16 @@ pub fn retargeted(rig: &Rig, source: &Capture, options: &RetargetOptions) -> Opt
     let contacts = if belt(source).is_none() { contacts(source, &capture) } else { Vec::new() };
     let pose = |time: f64| pose_at(&capture, time);
     let key = |root_motion: RootMotion| {
-        keyed_clip(&KeyInput { rig, name: &name, fps, duration, pose: &pose, contacts: &contacts, root_motion })
+        keyed_clip(&KeyInput {
+            rig,
+            name: &name,
+            fps,
+            duration,
+            pose: &pose,
+            contacts: &contacts,
+            root_motion,
+            curves: options.curves,
+        })
     };
     let clip = key(options.root);
     // What is measured is the motion with its travel.

@@ -15,10 +15,10 @@ use std::f64::consts::{PI, TAU};
 
 /// s, standard deviation of the filter on the root's path.
 const SMOOTHING: f64 = 0.2;
-/// m, how far the splines of the root's path may be from it.
-const KNOT_PLACE: f64 = 1.0e-2;
-/// rad, the same for its yaw: 1 degree.
-const KNOT_YAW: f64 = 1.0 * PI / 180.0;
+/// m, how far from the root's path its splines may be; straight lines less, whose corners are steps of its speed.
+const KNOT_PLACE: [f64; 2] = [1.0e-2, 1.0e-3];
+/// rad, the same for its yaw: 1 degree, 0.2 degrees.
+const KNOT_YAW: [f64; 2] = [1.0 * PI / 180.0, 0.2 * PI / 180.0];
 
 /// s: slopes are taken over that, to either side.
 const SLOPE: f64 = 1.0e-3;
@@ -101,6 +101,7 @@ pub struct RootCurve {
     samples: Vec<[f64; 4]>, // x, z (m), yaw (rad), y (m)
     knots: Vec<Knot>,       // empty until keyed
     straight: bool,         // joined by lines
+    carrier: DVec3,         // m, where the node that carries it is at rest: between keys that goes by straight lines
 }
 
 /// A key of the root: values and slopes as a reader has them.
@@ -116,7 +117,7 @@ impl RootCurve {
     /// said). Without `turning` the yaw stays 0.
     pub fn follow(poses: &[BodyPose], heights: &[f64], dt: f64, turning: bool) -> RootCurve {
         let Some(first) = poses.first() else {
-            return RootCurve { dt, samples: vec![[0.0; 4]], knots: Vec::new(), straight: false };
+            return RootCurve { dt, samples: vec![[0.0; 4]], knots: Vec::new(), straight: false, carrier: DVec3::ZERO };
         };
         let mut yaw = 0.0;
         let mut samples = Vec::with_capacity(poses.len());
@@ -129,21 +130,29 @@ impl RootCurve {
             let rise = heights.get(index).map_or(0.0, |height| height - heights[0]);
             samples.push([place.x, place.z, yaw, rise]);
         }
-        RootCurve { dt, samples: smooth(&samples, SMOOTHING / dt.max(1e-6)), knots: Vec::new(), straight: false }
+        RootCurve {
+            dt,
+            samples: smooth(&samples, SMOOTHING / dt.max(1e-6)),
+            knots: Vec::new(),
+            straight: false,
+            carrier: DVec3::ZERO,
+        }
     }
 
     /// Replaces the path by splines (or straight lines) between as few of `times` (s, rising) as follow it closely. What the root then
-    /// does between its keys is known exactly, and the hips make up for it.
-    pub fn key(&mut self, times: &[f64], straight: bool) {
-        self.straight = straight;
+    /// does between its keys is known exactly, and the hips make up for it. `carrier`: m, where the node that carries it is at rest.
+    pub fn key(&mut self, times: &[f64], straight: bool, carrier: DVec3) {
+        (self.straight, self.carrier) = (straight, carrier);
+        let lines = straight.then_some(carrier);
         let knots: Vec<Knot> = times.iter().map(|time| self.knot_at(*time)).collect();
         let path: Vec<[f64; 4]> = times.iter().map(|time| self.smooth_at(*time)).collect();
+        let (place, turn) = (KNOT_PLACE[usize::from(straight)], KNOT_YAW[usize::from(straight)]);
         let spans = |from: usize, to: usize| {
             (from + 1..to).all(|at| {
-                let now = between(&knots[from], &knots[to], times[at], straight);
+                let now = between(&knots[from], &knots[to], times[at], lines);
                 let [x, z, yaw, y] = path[at];
                 let turned = now.rotation * DQuat::from_rotation_y(-yaw);
-                now.translation.distance(DVec3::new(x, y, z)) <= KNOT_PLACE && twist(turned).sin().abs() <= KNOT_YAW
+                now.translation.distance(DVec3::new(x, y, z)) <= place && twist(turned).sin().abs() <= turn
             })
         };
         let mut kept: Vec<Knot> = knots.first().copied().into_iter().collect();
@@ -178,9 +187,10 @@ impl RootCurve {
     /// Where the root is at `time` (s), from rest.
     pub fn at(&self, time: f64) -> RootMove {
         let next = self.knots.partition_point(|knot| knot.time <= time);
+        let lines = self.straight.then_some(self.carrier);
         match (self.knots.get(next.wrapping_sub(1)), self.knots.get(next)) {
-            (Some(earlier), Some(later)) => between(earlier, later, time, self.straight),
-            (Some(only), None) | (None, Some(only)) => between(only, only, time, self.straight),
+            (Some(earlier), Some(later)) => between(earlier, later, time, lines),
+            (Some(only), None) | (None, Some(only)) => between(only, only, time, lines),
             (None, None) => {
                 let [x, z, yaw, y] = self.smooth_at(time);
                 RootMove { rotation: DQuat::from_rotation_y(yaw), translation: DVec3::new(x, y, z) }
@@ -222,13 +232,16 @@ impl RootCurve {
     }
 }
 
-/// As a reader joins two keys.
-fn between(from: &Knot, to: &Knot, time: f64, straight: bool) -> RootMove {
+/// As a reader joins two keys; by lines, which what stands at that place at rest goes along.
+fn between(from: &Knot, to: &Knot, time: f64, lines: Option<DVec3>) -> RootMove {
     let seconds = to.time - from.time;
     let share = if seconds > 0.0 { ((time - from.time) / seconds).clamp(0.0, 1.0) } else { 0.0 };
-    if straight {
-        let turn = slerp(DQuat::from_vec4(from.turn[0]), DQuat::from_vec4(to.turn[0]), share);
-        return RootMove { rotation: turn, translation: from.place[0].lerp(to.place[0], share).truncate() };
+    if let Some(carrier) = lines {
+        let [first, last] = [from, to].map(|knot| DQuat::from_vec4(knot.turn[0]));
+        let rotation = slerp(first, last, share);
+        let carrier = carrier * DVec3::new(1.0, 0.0, 1.0); // turned about Y: its height stays to the bit
+        let [start, end] = [(from, first), (to, last)].map(|(knot, turn)| knot.place[0].truncate() + turn * carrier);
+        return RootMove { rotation, translation: start.lerp(end, share) - rotation * carrier };
     }
     let place = hermite([from.place[0], from.place[1], to.place[1], to.place[0]], seconds, share);
     let turn = hermite([from.turn[0], from.turn[1], to.turn[1], to.turn[0]], seconds, share);

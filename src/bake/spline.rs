@@ -4,13 +4,12 @@
 //! that have these tangents are one curve to every reader. Where a curve has a corner, or an end that is not level, keys a
 //! millisecond away round it: values and slopes are chosen so that the solution leads as the curve did from there on.
 
+use super::key_times::NEAREST;
 use crate::rig::animate::hermite;
 use glam::DVec4;
 
 /// s: keys around a corner stand that far from it.
 const ROUND: f64 = 1.0e-3;
-/// s: and no nearer, for what f32 makes of a value a metre from its origin would bend the slopes.
-const NEAREST: f64 = 2.0e-4;
 /// m or rad: so far, over six, may the round be off the corner.
 const ROUNDED: f64 = 0.3e-3;
 
@@ -34,9 +33,16 @@ impl Piece {
         self.to.time - self.from.time
     }
 
-    /// s, how far from a corner at one of its ends its keys stand; `turned`: by how much the slope changes there, a second.
-    fn round(&self, turned: f64) -> f64 {
-        (ROUNDED / turned.max(1e-9)).clamp(NEAREST, ROUND).min(self.seconds() / 6.0)
+    /// s, how far from a corner at one of its ends its keys stand; `turned`: by how much the slope changes there, a second. `None` where
+    /// keys would come too close to each other: there the corner stays one key.
+    fn round(&self, turned: f64) -> Option<f64> {
+        let most = self.seconds() / 6.0;
+        (most >= NEAREST).then(|| (ROUNDED / turned.max(1e-9)).clamp(NEAREST, ROUND).min(most))
+    }
+
+    /// The same of two pieces at their common corner.
+    fn round_between(&self, after: &Piece, turned: f64) -> Option<f64> {
+        Some(self.round(turned)?.min(after.round(turned)?))
     }
 
     /// Value, slope and acceleration at a time.
@@ -73,7 +79,7 @@ pub(crate) fn piece(knots: &[Knot], rotates: bool, unit: f64, ends: [bool; 2]) -
         match (before, after) {
             (None, Some(piece)) if ends[0] && knot.slopes[1] != DVec4::ZERO => {
                 add(here, knot.value);
-                let round = piece.round(knot.slopes[1].length() * unit);
+                let Some(round) = piece.round(knot.slopes[1].length() * unit) else { continue };
                 let times = [1.0, 2.0].map(|steps| (knot.time + steps * round) as f32);
                 let [end, slope, bend] = piece.at(f64::from(times[1]));
                 let steps = [times[0] - here, times[1] - times[0]].map(f64::from);
@@ -81,7 +87,10 @@ pub(crate) fn piece(knots: &[Knot], rotates: bool, unit: f64, ends: [bool; 2]) -
                 add(times[1], end);
             }
             (Some(piece), None) if ends[1] && at == last && knot.slopes[0] != DVec4::ZERO => {
-                let round = piece.round(knot.slopes[0].length() * unit);
+                let Some(round) = piece.round(knot.slopes[0].length() * unit) else {
+                    add(here, knot.value);
+                    continue;
+                };
                 let times = [2.0, 1.0].map(|steps| (knot.time - steps * round) as f32);
                 let [start, slope, bend] = piece.at(f64::from(times[0]));
                 add(times[0], start);
@@ -91,7 +100,10 @@ pub(crate) fn piece(knots: &[Knot], rotates: bool, unit: f64, ends: [bool; 2]) -
             }
             (Some(before), Some(after)) if knot.corner => {
                 let turned = knot.slopes[0].distance(knot.slopes[1]) * unit;
-                let round = before.round(turned).min(after.round(turned));
+                let Some(round) = before.round_between(&after, turned) else {
+                    add(here, knot.value);
+                    continue;
+                };
                 let times = [-round, round].map(|step| (knot.time + step) as f32);
                 let [start, left, bend_left] = before.at(f64::from(times[0]));
                 let [end, right, bend_right] = after.at(f64::from(times[1]));

@@ -4,7 +4,6 @@
 //! made a unit again. Angles in rad, lengths in the node's own units.
 
 use super::spline::{self, Knot};
-use crate::model::clip::in_16_bits;
 use crate::model::{Channel, Interpolation, KeyValues, Target};
 use crate::rig::animate::{chord, hermite, slerp};
 use glam::{DQuat, DVec3, DVec4};
@@ -26,6 +25,8 @@ pub(super) struct Track {
     pub(super) rotates: bool,
     pub(super) unit: f64,          // m, what one of its own units makes; 1 for rotations
     pub(super) straight: bool,     // joined by straight lines and arcs
+    pub(super) still: bool,        // has one value: not asked for where keys are joined by splines
+    pub(super) reach: f64,         // m, from a rotation to the farthest that it moves
     pub(super) tolerance: f64,     // of `chord` for rotations, of local units for translations
     pub(super) planted: f64,       // the same while a foot that it moves is planted
     pub(super) bend: f64,          // the same a second squared: what its acceleration may be off by
@@ -68,8 +69,25 @@ impl Track {
 
     fn new(target: Target, rotates: bool, tolerance: f64, bend: f64) -> Track {
         let (frames, keep, own, around, fits) = (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let (straight, moves, planted) = (false, [false; 2], tolerance);
-        Track { target, rotates, unit: 1.0, straight, tolerance, planted, bend, moves, frames, keep, own, around, fits }
+        let (straight, still, moves, planted) = (false, false, [false; 2], tolerance);
+        let (unit, reach) = (1.0, 1.0);
+        Track {
+            target,
+            rotates,
+            unit,
+            straight,
+            still,
+            reach,
+            tolerance,
+            planted,
+            bend,
+            moves,
+            frames,
+            keep,
+            own,
+            around,
+            fits,
+        }
     }
 
     pub(super) fn difference(&self, a: &Value, b: &Value) -> f64 {
@@ -81,9 +99,6 @@ impl Track {
         let (a, b) = (&self.frames[from], &self.frames[to]);
         // A turn and its opposite are one: the neighbour's is the nearer.
         let sign = if self.rotates && four(&a.value).dot(four(&b.value)) < 0.0 { -1.0 } else { 1.0 };
-        if self.straight {
-            return self.lined(four(&a.value), four(&b.value), share);
-        }
         let ends = [four(&a.value), four(&a.slopes[1]), four(&b.slopes[0]) * sign, four(&b.value) * sign];
         self.joined(ends, seconds, share)
     }
@@ -111,11 +126,43 @@ impl Track {
         self.joined([a.value, a.slopes[1], b.slopes[0], b.value], seconds, share)
     }
 
+    /// As a reader joins two values by a straight line or an arc.
     fn lined(&self, from: DVec4, to: DVec4, share: f64) -> Value {
         stored(match self.rotates {
             true => DVec4::from(slerp(DQuat::from_vec4(from), DQuat::from_vec4(to), share)),
             false => from.lerp(to, share),
         })
+    }
+
+    /// On the straight line or arc between two frames.
+    pub(super) fn line(&self, from: usize, to: usize, share: f64) -> Value {
+        self.lined(four(&self.frames[from].value), four(&self.frames[to].value), share)
+    }
+
+    /// Leaves out keys of straight lines that change what is shown by at most `most`, if the share of those that stay is at most `worth`.
+    pub(super) fn spare(&mut self, times: &[f64], most: f64, worth: f64) {
+        let kept: Vec<usize> = (0..times.len()).filter(|frame| self.keep[*frame]).collect();
+        let spans = |from: usize, to: usize| {
+            let seconds = times[kept[to]] - times[kept[from]];
+            (from + 1..to).all(|key| {
+                let share = (times[kept[key]] - times[kept[from]]) / seconds;
+                let line = self.line(kept[from], kept[to], share);
+                self.difference(&line, &self.frames[kept[key]].value) <= most
+            })
+        };
+        let mut fewer = vec![0];
+        while let Some(from) = fewer.last().copied().filter(|from| from + 1 < kept.len()) {
+            let mut to = from + 1;
+            while to + 1 < kept.len() && spans(from, to + 1) {
+                to += 1;
+            }
+            fewer.push(to);
+        }
+        if fewer.len() as f64 <= worth * kept.len() as f64 {
+            self.keep.fill(false);
+            fewer.iter().for_each(|key| self.keep[kept[*key]] = true);
+            self.settle(times);
+        }
     }
 
     /// Keeps frames until none is off by more than `most` times its tolerance, first each time the worst between two keys.
@@ -249,6 +296,9 @@ impl Track {
             }
             self.around[frame].1 = at;
         }
+        if self.straight {
+            return;
+        }
         let kept: Vec<usize> = (from..=to).filter(|frame| self.keep[*frame]).collect();
         let mut first = 0;
         for last in 1..kept.len() {
@@ -287,12 +337,7 @@ impl Track {
             let key = |(value, slope): (&DVec4, &DVec4)| [stored(*slope), stored(*value), stored(*slope)];
             (times, values.iter().zip(&slopes).flat_map(key).collect())
         } else {
-            let number = |frame: &usize| {
-                let value = stored(self.fits[*frame].value);
-                // No foot hangs from it: 16 bits, 0.002 degrees, are enough.
-                if self.rotates && self.moves == [false; 2] && kept.len() > 1 { value.map(in_16_bits) } else { value }
-            };
-            let numbers: Vec<Value> = kept.iter().map(number).collect();
+            let numbers: Vec<Value> = kept.iter().map(|frame| stored(self.fits[*frame].value)).collect();
             (kept.iter().map(|frame| times[*frame]).collect(), numbers)
         };
         let values = match self.rotates {

@@ -6,7 +6,7 @@
 
 use super::record::{Measured, Piece, Record, hash, measured};
 use super::{Plan, Variation};
-use crate::bake::{self, BakeOptions, Baked, Base, Drive, Helped, RootMotion};
+use crate::bake::{self, BakeOptions, Baked, Base, Curves, Drive, Helped, RootMotion};
 use crate::export::engine::Engine;
 use crate::export::{self, Exported, Form};
 use crate::model::Scenario;
@@ -140,8 +140,7 @@ fn make(
     let settings = &plan.sweep.bake;
     let baked =
         bake::bake(&rig, &scenario, &options(settings, &variation.name, base)).map_err(|error| error.to_string())?;
-    let form = Form { kind: settings.format, props: settings.props, root_joint: root_joint(settings) };
-    let exported = export::baked(&rig, &baked, form).map_err(|error| error.to_string())?;
+    let exported = export::baked(&rig, &baked, form(settings)).map_err(|error| error.to_string())?;
     Ok(kept(&rig, baked, exported, settings, wanted))
 }
 
@@ -162,8 +161,19 @@ fn kept(rig: &Rig, baked: Baked, exported: Exported, settings: &BakeSettings, wa
     (files, Record { identity: String::new(), files: Vec::new(), measured, signature, cell, piece })
 }
 
+/// Which files are made.
+pub fn form(settings: &BakeSettings) -> Form {
+    Form {
+        kind: settings.format,
+        props: settings.props && settings.format.without_props().is_none(),
+        root_joint: root_joint(settings),
+        only_animation: settings.only_animation,
+        no_contact_nodes: !settings.contact_nodes,
+    }
+}
+
 /// Whether an engine wants the root as a joint of the skins.
-pub fn root_joint(settings: &BakeSettings) -> bool {
+fn root_joint(settings: &BakeSettings) -> bool {
     settings.root == "root" && engines(settings).any(|engine| engine.root_is_joint)
 }
 
@@ -194,6 +204,7 @@ pub fn options(settings: &BakeSettings, name: &str, base: Option<Arc<Base>>) -> 
         },
         base,
         looped: settings.looped,
+        curves: if settings.curves == "spline" { Curves::Spline } else { Curves::Linear },
     }
 }
 

@@ -7,6 +7,7 @@ use crate::bake::{Baked, Fall};
 use crate::disk::resolve;
 use crate::disk::writer::{self, Output};
 use crate::disk::{Exit, Failure};
+use crate::export::Form;
 use crate::export::engine::{ENGINES, Engine};
 use crate::model::report::{Contact, JointTorque, Outcome, Part};
 use crate::model::{FileKind, Scenario, Side};
@@ -81,7 +82,14 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     }
 
     let root_joint = args.root == Root::Root && engines.iter().any(|engine| engine.root_is_joint);
-    let exported = parts::exported(&rig, &baked, &output, (args.props, root_joint))?;
+    let form = Form {
+        kind: FileKind::of(&output),
+        props: args.props,
+        root_joint,
+        only_animation: args.only_animation,
+        no_contact_nodes: args.no_contact_nodes,
+    };
+    let exported = parts::exported(&rig, &baked, form)?;
     for change in &exported.changes {
         warn(change.clone());
     }

@@ -27,7 +27,8 @@ const MOST_TOLD: usize = 10;
 
 /// Bakes a sweep, or lists it, or writes a farm's job for it.
 pub fn run(args: &BatchArgs) -> Result<Exit, Failure> {
-    let (plan, scenarios) = planned(&args.sweep)?;
+    let (mut plan, scenarios) = planned(&args.sweep)?;
+    plan.sweep.bake.only_animation |= args.only_animation;
     for note in &plan.notes {
         tell(&format!("warning: {}: {note}", args.sweep.display()));
     }
@@ -140,6 +141,9 @@ fn check_flags(args: &BatchArgs, plan: &Plan) -> Result<(), Failure> {
         (true, Some(what), _) => format!("{what} holds one clip: leave --merge away, or `format` in [bake]"),
         (true, _, true) => "props belong to one clip each: leave --merge away, or `props` in [bake]".to_owned(),
         (_, Some(what), true) => format!("{what} holds no meshes, so no props: leave one of them away in [bake]"),
+        (_, _, true) if bake.only_animation => {
+            "props are meshes: leave them or `only_animation` away in [bake]".to_owned()
+        }
         _ => return Ok(()),
     };
     Err(Failure::bad_input(format!("{}: {wrong}", args.sweep.display())))
@@ -187,9 +191,8 @@ fn effort(plan: &Plan, rigs: &[RigFile], open: &[&Variation]) -> (f64, f64) {
     let bytes = open
         .iter()
         .map(|one| {
-            RECORD_BYTES
-                + keys
-                + if bake.format != crate::model::FileKind::Glb { 0.0 } else { rigs[one.rig].size as f64 }
+            let alone = bake.only_animation || bake.format != crate::model::FileKind::Glb;
+            RECORD_BYTES + keys + if alone { 0.0 } else { rigs[one.rig].size as f64 }
         })
         .sum();
     (open.len() as f64 * (0.03 + each * rate), bytes)

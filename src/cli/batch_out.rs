@@ -3,7 +3,7 @@
 use super::args::BatchArgs;
 use super::say;
 use crate::batch::merged::{self, MOST_CLIPS};
-use crate::batch::run::{Ended, Place, root_joint};
+use crate::batch::run::{Ended, Place, form};
 use crate::batch::{Plan, Variation};
 use crate::disk::Failure;
 use crate::disk::batch_results;
@@ -78,7 +78,7 @@ fn merge(results: &Results) -> Result<Vec<PathBuf>, Failure> {
         for (part, clips) in clips.chunks(MOST_CLIPS).enumerate() {
             let records = clips.iter().filter_map(|one| results.folder.record(one)).filter_map(|record| record.piece);
             let loaded = results.folder.rig(rig).map_err(Failure::failed)?;
-            let merged = merged::merged(&loaded, records, root_joint(&results.plan.sweep.bake))
+            let merged = merged::merged(&loaded, records, form(&results.plan.sweep.bake))
                 .map_err(|error| Failure::failed(error.to_string()))?;
             let name = merged::file_name(&input.name, part);
             let outputs = vec![

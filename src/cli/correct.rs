@@ -11,6 +11,7 @@ use crate::correct::{CorrectOptions, Corrected};
 use crate::disk::correction::{Clip, Opened};
 use crate::disk::writer::{self, Output};
 use crate::disk::{Exit, Failure};
+use crate::export::only_animation;
 use crate::mocap::{self, Options};
 use crate::model::findings::{Findings, Rule};
 use serde_json::{Value, json};
@@ -30,12 +31,18 @@ pub fn run(args: &CorrectArgs) -> Result<Exit, Failure> {
     let reading = format!("reading {}", args.clip_file.display());
     let file = busy(&reading, || Opened::open(&args.clip_file, &options))?;
     file.check_ending(&args.output)?;
+    if args.only_animation && has_ending(&args.output, "vrm") {
+        return Err(Failure::bad_input(format!(
+            "{}: a VRM file is a character with its mesh\n  help: let the name behind -o end in .glb",
+            args.output.display()
+        )));
+    }
     let wanted: Vec<usize> = match &args.clip {
         Some(name) => vec![file.find(name)?],
         None => (0..file.clips().len()).collect(),
     };
     let (clips, unread) = correct_all(args, &file, &wanted)?;
-    let bytes = file.bytes(&clips, &args.output)?;
+    let mut bytes = file.bytes(&clips, &args.output)?;
     let mut shown: Vec<Value> = Vec::new();
     let mut text = String::new();
     for clip in &clips {
@@ -45,6 +52,9 @@ pub fn run(args: &CorrectArgs) -> Result<Exit, Failure> {
     }
     for failure in &unread {
         tell(&audit_text::plain(&format!("warning: {failure}")));
+    }
+    if args.only_animation && has_ending(&args.output, "glb") {
+        bytes = only_animation(&bytes, &|_, _| true).map_err(|error| Failure::failed(error.to_string()))?;
     }
     let several = args.clip.is_none() && file.clips().len() > 1;
     let value = if several { Value::Array(shown) } else { shown.into_iter().next().unwrap_or(Value::Null) };
@@ -58,6 +68,10 @@ pub fn run(args: &CorrectArgs) -> Result<Exit, Failure> {
     }
     say(&if args.json.is_some() && json_file.is_none() { pretty } else { audit_text::plain(&text) })?;
     Ok(Exit::Done)
+}
+
+fn has_ending(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending))
 }
 
 /// Every clip that is wanted; of several, those that cannot be read are told.

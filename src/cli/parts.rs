@@ -4,12 +4,11 @@ use super::args::{self, Assist, BakeArgs, Root};
 use crate::bake::{BakeError, BakeOptions, Baked, Base, Drive, Helped, RootMotion};
 use crate::disk::Failure;
 use crate::export::{Exported, Form};
-use crate::model::{Clip, ClipReport, FileKind, Prop, Scenario};
+use crate::model::{Clip, ClipReport, Prop, Scenario};
 use crate::rig::mannequin::{MannequinOptions, mannequin};
 use crate::rig::{Rig, clips};
 use crate::{bake, export, picture};
 use std::cell::RefCell;
-use std::path::Path;
 use std::sync::Arc;
 
 /// Moments on a contact sheet.
@@ -35,6 +34,15 @@ impl From<Root> for RootMotion {
     }
 }
 
+impl From<args::Curves> for bake::Curves {
+    fn from(curves: args::Curves) -> bake::Curves {
+        match curves {
+            args::Curves::Linear => bake::Curves::Linear,
+            args::Curves::Spline => bake::Curves::Spline,
+        }
+    }
+}
+
 /// Runs a scenario on a rig.
 pub fn bake(rig: &Rig, scenario: &Scenario, base: Option<Arc<Base>>, args: &BakeArgs) -> Result<Baked, Failure> {
     let root = RootMotion::from(args.root);
@@ -50,8 +58,16 @@ pub fn bake(rig: &Rig, scenario: &Scenario, base: Option<Arc<Base>>, args: &Bake
         args::Drive::Stepper => Drive::Stepper,
         args::Drive::Ragdoll => Drive::Ragdoll(helped),
     };
-    let options =
-        BakeOptions { name: args.clip.clone(), fps: args.fps, seed: args.seed, root, drive, base, looped: args.looped };
+    let options = BakeOptions {
+        name: args.clip.clone(),
+        fps: args.fps,
+        seed: args.seed,
+        root,
+        drive,
+        base,
+        looped: args.looped,
+        curves: args.curves.into(),
+    };
     bake::bake(rig, scenario, &options).map_err(|error| match error {
         BakeError::Unplayed { .. } | BakeError::Base(_) | BakeError::NoCycle { .. } => {
             Failure::bad_input(error.to_string())
@@ -60,15 +76,9 @@ pub fn bake(rig: &Rig, scenario: &Scenario, base: Option<Arc<Base>>, args: &Bake
     })
 }
 
-/// Makes the files of a baked clip; `with_props`: the things beside the body too; `root_joint`: the root as a joint of the skins.
-pub fn exported(
-    rig: &Rig,
-    baked: &Baked,
-    output: &Path,
-    (props, root_joint): (bool, bool),
-) -> Result<Exported, Failure> {
-    export::baked(rig, baked, Form { kind: FileKind::of(output), props, root_joint })
-        .map_err(|error| Failure::failed(error.to_string()))
+/// Makes the files of a baked clip.
+pub fn exported(rig: &Rig, baked: &Baked, form: Form) -> Result<Exported, Failure> {
+    export::baked(rig, baked, form).map_err(|error| Failure::failed(error.to_string()))
 }
 
 /// A contact sheet as PNG bytes, with what stands beside the body.

@@ -8,7 +8,7 @@ use crate::bake::retargeted::{RetargetOptions, Retargeted, retargeted};
 use crate::disk::resolve;
 use crate::disk::writer::{self, Output};
 use crate::disk::{Exit, Failure};
-use crate::export;
+use crate::export::{self, Form};
 use crate::mocap::{self, ClipFile, Options};
 use crate::model::FileKind;
 use serde_json::json;
@@ -35,7 +35,7 @@ pub fn run(args: &RetargetArgs) -> Result<Exit, Failure> {
         Root::Hips => RootMotion::Hips,
         Root::InPlace => RootMotion::InPlace,
     };
-    let options = RetargetOptions { name: args.name.clone(), fps: args.fps, root };
+    let options = RetargetOptions { name: args.name.clone(), fps: args.fps, root, curves: args.curves.into() };
     let what = format!("retargeting \"{}\" onto {}", source.name, args.rig.display());
     let Some(made) = busy(&what, || retargeted(&rig, &source, &options)) else {
         let what = format!(
@@ -46,7 +46,12 @@ pub fn run(args: &RetargetArgs) -> Result<Exit, Failure> {
         return Err(Failure::bad_input(format!("{}: {what}", args.clip_file.display())));
     };
     let failed = |error: export::ExportError| Failure::failed(error.to_string());
-    let form = export::Form { kind: FileKind::of(&args.output), ..export::Form::default() };
+    let form = Form {
+        kind: FileKind::of(&args.output),
+        only_animation: args.only_animation,
+        no_contact_nodes: args.no_contact_nodes,
+        ..Form::default()
+    };
     let written = export::exported(&rig, (&made.clip, &made.report), &[], form).map_err(failed)?;
     let name = written.name;
     for warning in rig.mapping.warnings.iter().chain(&source.notes).chain(&written.changes) {

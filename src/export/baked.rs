@@ -1,6 +1,6 @@
 //! A baked clip as the files that are written for it: the rig's document with the clip, a VRM animation or an FBX, and the events beside.
 
-use super::{ExportError, events_json, fbx, glb_with_root, vrma};
+use super::{ExportError, events_json, fbx, glb_with_root, only_animation, vrma};
 use crate::bake::{Baked, RootMotion};
 use crate::model::{Clip, ClipReport, FileKind, Prop, Target};
 use crate::rig::Rig;
@@ -15,6 +15,28 @@ pub struct Form {
     pub props: bool,
     /// The node that carries root motion as a joint of the skins.
     pub root_joint: bool,
+    /// Skeleton and clip alone: see [`only_animation`].
+    pub only_animation: bool,
+    /// Without the two nodes that show the contacts.
+    pub no_contact_nodes: bool,
+}
+
+impl Form {
+    /// A clip without what the form leaves out.
+    pub fn clip(&self, clip: &Clip) -> Clip {
+        let mut clip = clip.clone();
+        let shows = |target: Target| matches!(target, Target::ContactLeft | Target::ContactRight);
+        clip.channels.retain(|channel| !self.no_contact_nodes || !shows(channel.target));
+        clip
+    }
+
+    /// A file without what the form leaves out; `names`: of the clips that were made.
+    pub fn file(&self, file: Vec<u8>, names: &[String]) -> Result<Vec<u8>, ExportError> {
+        match self.only_animation {
+            true => only_animation(&file, &|_, name| names.iter().any(|made| made == name)),
+            false => Ok(file),
+        }
+    }
 }
 
 /// The bytes of a baked file and of what stands beside it.
@@ -54,11 +76,12 @@ pub fn exported(
         let events = events_json([(name.as_str(), &made.report)])?;
         return Ok(Exported { file: made.bytes, events, name, changes: made.losses });
     }
-    let clips = [(clip.clone(), report.clone())];
+    let clips = [(form.clip(clip), report.clone())];
     let file = glb_with_root(rig, &clips, props, form.root_joint.then(|| root_target(rig)))?;
+    let bytes = form.file(file.bytes, &file.names)?;
     let name = file.names.into_iter().next().unwrap_or_else(|| clip.name.clone());
     let events = events_json([(name.as_str(), report)])?;
-    Ok(Exported { file: file.bytes, events, name, changes: file.changes })
+    Ok(Exported { file: bytes, events, name, changes: file.changes })
 }
 
 /// What carries root motion under `--root root`: a node of the rig, or the one that is put over its scene.

@@ -2,7 +2,8 @@
 //!
 //! A helper serves every clip beside it: it reads `animations[i].extras.surefoot` or the sidecar `CLIP.events.json`. Its text is a
 //! template in `engines/`, in the engine's own language; what differs by engine and not by language comes from the table. Those that
-//! the tests do not run in their engine say so at their top. Bytes only; the writer puts them on the disk.
+//! the tests do not run in their engine say so at their top, and which lines were run in another way. Bytes only; the writer puts them on
+//! the disk.
 
 /// An engine.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -27,7 +28,7 @@ pub struct Engine {
     pub root: &'static str,
     /// The values of `--root` that it can play as they are meant.
     pub modes: &'static [&'static str],
-    /// Its skeletons are made of joints alone, so that the root must be one.
+    /// Its skeletons are made of joints alone (in Blender: its armatures of bones), so that the root must be one.
     pub root_is_joint: bool,
     /// Where the tests run the helper; `None`: nowhere.
     pub run_in: Option<&'static str>,
@@ -60,13 +61,13 @@ pub const ENGINES: [Engine; 6] = [
         file: "surefoot_blender.py",
         axes: "Z up: x, -z, y of the file",
         units: "metres",
-        events: "pose markers of the action, and the whole report as its custom property \"surefoot\"",
+        events: "pose markers of the action, which becomes the active one, and the whole report as its custom property \"surefoot\"",
         feet: ["L", "R"],
         looped: "a Cycles modifier, by hand",
-        root: "no root motion of its own: every mode shows as it is",
+        root: "a bone at the top of the armature: `--root root`, or the hips; it has no root motion of its own",
         modes: &["root", "hips", "in-place"],
-        root_is_joint: false,
-        run_in: Some("Blender 5.0.1 as a Python module"),
+        root_is_joint: true,
+        run_in: Some("Blender 4.5 and 5.0 as a Python module"),
         comment: "#",
         template: include_str!("engines/blender.py"),
     },
@@ -94,7 +95,7 @@ pub const ENGINES: [Engine; 6] = [
         units: "metres",
         events: "markers of the animation, and a method track where METHOD names a method",
         feet: ["L", "R"],
-        looped: "a clip whose name begins or ends with \"loop\" or \"cycle\"",
+        looped: "a clip whose name begins or ends with \"loop\" or \"cycle\"; a \"_loop\" at its end is cut off",
         root: "AnimationPlayer.root_motion_track, which the script sets: bake with `--root root`",
         modes: &["root", "in-place"],
         root_is_joint: true,
@@ -107,12 +108,12 @@ pub const ENGINES: [Engine; 6] = [
         title: "Unity",
         file: "SurefootEvents.cs",
         axes: "Y up, left-handed: the importer turns the file",
-        units: "metres",
+        units: "metres: the importer scales an FBX",
         events: "AnimationEvents that call SurefootEvent(AnimationEvent), and curves FootContact_Left, FootContact_Right for the Animator",
         feet: ["Left", "Right"],
         looped: "Loop Time of the clip, which the script sets where the name begins or ends with \"loop\" or \"cycle\"",
-        root: "the Avatar's root node, Generic rigs: choose Root there and bake with `--root root`; a Humanoid takes the body's centre",
-        modes: &["root", "in-place"],
+        root: "the Avatar of an FBX (-o take.fbx), never of a .glb: a Generic rig's root node, Root of `--root root` or the hips; a Humanoid's body centre",
+        modes: &["root", "hips", "in-place"],
         root_is_joint: false,
         run_in: None,
         comment: "//",

@@ -6,15 +6,13 @@
 //! Document units. The same input gives the same bytes.
 
 use super::buffers::Joined;
+use super::held::{self, Held};
 use super::props::{self, PropChannel};
 use super::{ExportError, events::report_json, root_joint};
 use crate::model::{Channel, Clip, ClipReport, Interpolation, KeyValues, Prop, Target};
 use crate::rig::Rig;
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Fewer rotations take more bytes in 16 bits, with what must be said of them.
-const FEWEST_SHORTS: usize = 3;
 
 /// A file in the making is done.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,10 +74,11 @@ pub fn glb_with_root(
     writer.view = list(&mut root, "bufferViews").len();
     writer.start = writer.buffer.append(&[]);
     let first_accessor = list(&mut root, "accessors").len();
+    let moved = held::moved(clips, &helpers, &root);
     let mut names = Vec::new();
     for (clip, report) in clips {
         let name = free_name(&clip.name, list(&mut root, "animations"));
-        let mut animation = writer.animation(clip, &helpers, &props, first_accessor);
+        let mut animation = writer.animation(clip, &helpers, &props, first_accessor, &moved);
         animation.insert("name".into(), name.clone().into());
         animation.insert("extras".into(), json!({ "surefoot": report_json(&name, report)? }));
         list(&mut root, "animations").push(Value::Object(animation));
@@ -153,6 +152,7 @@ impl Writer {
         helpers: &BTreeMap<Target, usize>,
         props: &[(usize, Vec<PropChannel>)],
         first: usize,
+        moved: &[Held],
     ) -> Map<String, Value> {
         let (mut channels, mut samplers) = (Vec::new(), Vec::new());
         let mut add = |node: usize, path: &str, input: usize, output: usize, interpolation: Option<&str>| {
@@ -175,12 +175,14 @@ impl Writer {
                 KeyValues::Rotation(keys) => ("VEC4", keys.iter().flatten().copied().collect()),
             };
             let path = channel.values.path();
-            let input = first + self.accessor("SCALAR", &channel.times, 1);
-            let output = first
-                + match channel.shorts().filter(|_| channel.values.count() >= FEWEST_SHORTS) {
-                    Some(shorts) => self.shorts(&shorts),
-                    None => self.accessor(kind, &values, channel.values.count()),
-                };
+            let stays = channel.times.len() == 1 && clip.duration as f32 > channel.times[0];
+            let (times, values) = match stays {
+                true => (vec![channel.times[0], clip.duration as f32], values.repeat(2)),
+                false => (channel.times.clone(), values),
+            };
+            let count = channel.values.count() * times.len() / channel.times.len();
+            let input = first + self.accessor("SCALAR", &times, 1);
+            let output = first + self.accessor(kind, &values, count);
             let interpolation = match channel.interpolation {
                 Interpolation::Linear => None, // what glTF takes where none is said
                 Interpolation::Cubic => Some("CUBICSPLINE"),
@@ -193,29 +195,31 @@ impl Writer {
             let output = first + self.accessor(channel.kind, &channel.values, channel.times.len());
             add(node, channel.path, input, output, None);
         }
+        let has = |held: &&Held| {
+            clip.channels.iter().any(|channel| {
+                let node = if let Target::Node(node) = channel.target { node } else { helpers[&channel.target] };
+                (node, channel.values.path()) == (held.node, held.path)
+            })
+        };
+        for held in moved.iter().filter(|held| !has(held)) {
+            let times = if clip.duration > 0.0 { vec![0.0, clip.duration as f32] } else { vec![0.0] };
+            let input = first + self.accessor("SCALAR", &times, 1);
+            let output = first + self.accessor(held.kind, &held.values.repeat(times.len()), times.len() * held.count());
+            add(held.node, held.path, input, output, None);
+        }
         Map::from_iter([("channels".to_owned(), channels.into()), ("samplers".to_owned(), samplers.into())])
     }
 
     fn accessor(&mut self, kind: &'static str, values: &[f32], count: usize) -> usize {
         let data: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
         let mut fields = json!({ "componentType": 5126, "count": count, "type": kind });
-        if kind == "SCALAR" {
+        let key = if kind == "SCALAR" && count > 1 { "weights" } else { kind };
+        if key == "SCALAR" {
             fields["count"] = values.len().into();
             fields["min"] = json!([f64::from(values.iter().copied().fold(f32::INFINITY, f32::min))]);
             fields["max"] = json!([f64::from(values.iter().copied().fold(f32::NEG_INFINITY, f32::max))]);
         }
-        self.put(kind, data, fields)
-    }
-
-    /// Rotations in 16 bits.
-    fn shorts(&mut self, values: &[i16]) -> usize {
-        let data: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
-        let fields = json!({ "componentType": 5122, "normalized": true, "count": values.len() / 4, "type": "VEC4" });
-        self.put("shorts", data, fields)
-    }
-
-    fn put(&mut self, kind: &'static str, data: Vec<u8>, fields: Value) -> usize {
-        if let Some(accessor) = self.seen.get(&(kind, data.clone())) {
+        if let Some(accessor) = self.seen.get(&(key, data.clone())) {
             return *accessor;
         }
         let offset = self.buffer.append(&data) - self.start;
@@ -224,7 +228,7 @@ impl Writer {
             accessor.extend(fields);
         }
         self.accessors.push(accessor);
-        self.seen.insert((kind, data), self.accessors.len() - 1);
+        self.seen.insert((key, data), self.accessors.len() - 1);
         self.accessors.len() - 1
     }
 }

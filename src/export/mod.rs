@@ -9,6 +9,8 @@ pub mod engine;
 pub mod events;
 pub mod fbx;
 pub mod glb;
+mod held;
+mod only_animation;
 mod props;
 pub mod root_joint;
 mod tpose;
@@ -19,6 +21,7 @@ pub use baked::{Exported, Form, baked, exported, root_target};
 pub use events::events_json;
 pub use fbx::{ExportedFbx, fbx};
 pub use glb::{ExportedGlb, glb, glb_with_props, glb_with_root};
+pub use only_animation::only_animation;
 pub use tpose::t_pose;
 pub use vrma::{ExportedVrma, vrma};
 

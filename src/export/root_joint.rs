@@ -1,7 +1,7 @@
 //! The node that carries root motion as a joint of the skins: an engine whose skeletons are made of joints alone has no root bone else.
 //!
 //! Only on demand: it is the one thing that changes a source's skins. Joints keep their order and are appended to, so vertices keep
-//! theirs; the inverse bind matrices are a new accessor, the old ones with one matrix more a new joint. The nodes between the carrier
+//! theirs; the inverse bind matrices get one more for each new joint, in their accessor's place where no other skin uses it. The nodes between the carrier
 //! and the skin's topmost joints become joints too, that no bone hangs from what is none. No vertex has a weight there.
 
 use super::ExportError;
@@ -63,17 +63,52 @@ pub(super) fn add(
         if let Some(matrices) = matrices {
             let count = matrices.len() / 16;
             let data: Vec<u8> = matrices.iter().flat_map(|part| part.to_le_bytes()).collect();
-            let at = buffer.append(&data);
-            let view = list(root, "bufferViews").len();
-            list(root, "bufferViews").push(json!({ "buffer": 0, "byteOffset": at, "byteLength": data.len() }));
-            let accessor = list(root, "accessors").len();
+            let view = json!({ "buffer": 0, "byteOffset": buffer.append(&data), "byteLength": data.len() });
+            let view = put(root, "bufferViews", own_view(rig, skin), view);
             let kind = json!({ "bufferView": view, "componentType": 5126, "count": count, "type": "MAT4" });
-            list(root, "accessors").push(kind);
+            let accessor = put(root, "accessors", own_accessor(rig, skin), kind);
             list(root, "skins")[skin]["inverseBindMatrices"] = accessor.into();
         }
         changes.push(format!("skin {skin}: {} joined it as a root bone for the engine", names(rig, carrier, &new)));
     }
     Ok(changes)
+}
+
+/// Puts a value at its place in a list, or at the end where it has none: which place that is.
+fn put(root: &mut Map<String, Value>, name: &str, place: Option<usize>, value: Value) -> usize {
+    let items = list(root, name);
+    match place.filter(|place| *place < items.len()) {
+        Some(place) => {
+            items[place] = value;
+            place
+        }
+        None => {
+            items.push(value);
+            items.len() - 1
+        }
+    }
+}
+
+/// The accessor of a skin's inverse bind matrices, if nothing else of the document uses it: left behind it would be unused.
+fn own_accessor(rig: &Rig, skin: usize) -> Option<usize> {
+    let skins = rig.document.list("skins");
+    let accessor = skins.get(skin)?.get("inverseBindMatrices")?.as_u64()?;
+    let users = skins.iter().filter(|skin| skin.get("inverseBindMatrices").and_then(Value::as_u64) == Some(accessor));
+    (users.count() == 1).then_some(usize::try_from(accessor).ok()?)
+}
+
+/// The buffer view of that accessor, if no other accessor lies in it.
+fn own_view(rig: &Rig, skin: usize) -> Option<usize> {
+    let accessor = own_accessor(rig, skin)?;
+    let accessors = rig.document.list("accessors");
+    let view = accessors.get(accessor)?.get("bufferView")?.as_u64()?;
+    let uses = |accessor: &&Value| {
+        let places = ["/bufferView", "/sparse/indices/bufferView", "/sparse/values/bufferView"];
+        places.iter().any(|place| accessor.pointer(place).and_then(Value::as_u64) == Some(view))
+    };
+    let images = rig.document.list("images").iter().any(|image| image["bufferView"].as_u64() == Some(view));
+    let alone = accessors.iter().filter(uses).count() == 1 && !images;
+    alone.then_some(usize::try_from(view).ok()?)
 }
 
 /// The skin's inverse bind matrices and those of the new joints; `None` where it has none, which is the identity for all.

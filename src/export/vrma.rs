@@ -10,6 +10,7 @@ use super::ExportError;
 use super::events::report_json;
 use super::glb::container;
 use super::tpose::{is_vrm, t_pose};
+use crate::bake::keys::NEAREST;
 use crate::model::{Clip, ClipReport, Interpolation, KeyValues, Role};
 use crate::rig::Rig;
 use crate::rig::animate::{chord, slerp};
@@ -93,10 +94,7 @@ pub fn vrma(rig: &Rig, clip: &Clip, report: &ClipReport) -> Result<ExportedVrma,
         if index > 0 && turns.iter().all(|turn| same(*turn, DQuat::IDENTITY)) {
             continue;
         }
-        let mut kept = thin(&times, |from, to, at, share| same(slerp(turns[from], turns[to], share), turns[at]));
-        if kept.len() == 2 && same(turns[kept[0]], turns[kept[1]]) {
-            kept.pop();
-        }
+        let kept = thin(&times, |from, to, at, share| same(slerp(turns[from], turns[to], share), turns[at]));
         let mut keys: Vec<(f32, Vec<f32>)> = Vec::with_capacity(kept.len());
         for at in kept {
             let turn = turns[at].normalize().to_array().map(stored);
@@ -140,7 +138,7 @@ fn times(clip: &Clip) -> Vec<f32> {
     times.extend([0.0, clip.duration as f32]);
     times.retain(|time| *time >= 0.0);
     times.sort_by(f32::total_cmp);
-    times.dedup_by(|later, earlier| *later - *earlier < 1e-4);
+    times.dedup_by(|later, earlier| f64::from(*later - *earlier) < NEAREST);
     times
 }
 

@@ -73,26 +73,7 @@ impl KeyValues {
     }
 }
 
-/// A part of a rotation, to the nearest that a normalised 16-bit integer says.
-pub fn in_16_bits(part: f32) -> f32 {
-    f32::from(short(part)) / MOST_SHORT
-}
-
-/// What a normalised 16-bit integer says as one (glTF 2.0, 3.11).
-const MOST_SHORT: f32 = 32767.0;
-
-fn short(part: f32) -> i16 {
-    (part * MOST_SHORT).round().clamp(-MOST_SHORT, MOST_SHORT) as i16
-}
-
 impl Channel {
-    /// Its rotations as normalised 16-bit integers, where those say every part to the bit.
-    pub fn shorts(&self) -> Option<Vec<i16>> {
-        let KeyValues::Rotation(keys) = &self.values else { return None };
-        let exact = |part: &f32| (in_16_bits(*part) == *part).then(|| short(*part));
-        keys.iter().flatten().map(exact).collect()
-    }
-
     /// Whether it has as many values as its times ask for, and a key at least.
     pub fn is_whole(&self) -> bool {
         !self.times.is_empty() && self.values.count() == self.times.len() * self.interpolation.stride()
@@ -114,32 +95,5 @@ impl Interpolation {
     /// Values a key: a cubic has its tangents too.
     pub fn stride(self) -> usize {
         if self == Interpolation::Cubic { 3 } else { 1 }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rotations_that_16_bits_say_to_the_bit_are_told_and_no_others() {
-        let turn = |angle: f32| [0.0, (0.5 * angle).sin(), -0.0, (0.5 * angle).cos()];
-        let channel = |keys: Vec<[f32; 4]>| Channel {
-            target: Target::Node(0),
-            times: (0..keys.len()).map(|key| key as f32).collect(),
-            values: KeyValues::Rotation(keys),
-            interpolation: Interpolation::Linear,
-        };
-        let exact: Vec<[f32; 4]> = [0.0, 0.3, -2.0].map(|angle| turn(angle).map(in_16_bits)).to_vec();
-        let shorts = channel(exact.clone()).shorts().expect("they are of 16 bits");
-        assert_eq!(shorts[..4], [0, 0, 0, 32767]);
-        let back: Vec<f32> = shorts.iter().map(|short| (f32::from(*short) / 32767.0).max(-1.0)).collect();
-        assert_eq!(back, exact.concat());
-        let most = exact[1].iter().zip(turn(0.3)).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-        assert!(most <= 0.5 / 32767.0 + 1e-7, "{most}");
-        // The planted extreme: one part beside the lattice.
-        assert_eq!(channel(vec![exact[0], turn(0.3)]).shorts(), None);
-        let moved = Channel { values: KeyValues::Translation(vec![[0.0; 3]]), ..channel(exact) };
-        assert_eq!(moved.shorts(), None);
     }
 }

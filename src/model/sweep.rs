@@ -145,6 +145,12 @@ pub struct BakeSettings {
     pub props: bool,
     /// Only a cycle.
     pub looped: bool,
+    /// `linear` or `spline`.
+    pub curves: &'static str,
+    /// Skeletons and clips alone.
+    pub only_animation: bool,
+    /// With the two nodes that show the contacts.
+    pub contact_nodes: bool,
     /// What the clips are written as.
     pub format: super::FileKind,
     /// Engines whose helper stands beside the clips, each once, in the order of [`ENGINES`].
@@ -163,6 +169,9 @@ impl Default for BakeSettings {
             assist: None,
             props: false,
             looped: false,
+            curves: "linear",
+            only_animation: false,
+            contact_nodes: true,
             format: super::FileKind::Glb,
             engines: Vec::new(),
         }

@@ -352,6 +352,9 @@ fn combine(root: &mut Reader<'_, '_>, axes: &[Axis], rules: &mut Rules) -> Combi
     sampled.or(ordered).unwrap_or(Combine::Product)
 }
 
+/// How keys are joined.
+const CURVES: [&str; 2] = ["linear", "spline"];
+
 fn bake_settings(mut table: Reader<'_, '_>) -> BakeSettings {
     let default = BakeSettings::default();
     let words = |words: [&'static str; 3]| words.map(|word| (word, word));
@@ -369,6 +372,9 @@ fn bake_settings(mut table: Reader<'_, '_>) -> BakeSettings {
         },
         props: table.truth("props").unwrap_or(default.props),
         looped: table.truth("loop").unwrap_or(default.looped),
+        curves: table.choice("curves", &CURVES.map(|word| (word, word))).unwrap_or(default.curves),
+        only_animation: table.truth("only_animation").unwrap_or(default.only_animation),
+        contact_nodes: table.truth("contact_nodes").unwrap_or(default.contact_nodes),
         format: table
             .choice("format", &super::FileKind::ALL.map(|kind| (kind.ending(), kind)))
             .unwrap_or(default.format),

@@ -10,8 +10,9 @@ use super::flesh::flesh;
 use super::segments::segments;
 use super::skin::{Skin, crown};
 use super::sole::{FootInput, foot_shape};
-use crate::model::{Body, BodyJoint, FootShape, Role, Side};
-use glam::{DQuat, DVec2, DVec3};
+use super::sole_twin::matched;
+use crate::model::{Body, BodyJoint, Role, Side};
+use glam::DVec3;
 use std::collections::BTreeMap;
 
 /// Body mass over height squared, kg/m², where nothing says otherwise.
@@ -93,24 +94,22 @@ pub fn derive(input: &BodyInput) -> DerivedBody {
         joint_nodes.push(input.bones.get(&role).map(|bone| bone.0));
     }
 
-    let mut feet = Side::BOTH.map(|side| {
+    let measured = Side::BOTH.map(|side| {
         let [_, _, foot, toes] = leg_roles(side);
         let index = |role: Role| joints.iter().position(|joint| joint.role == role);
         let ankle = index(foot).unwrap_or(0);
         let rest = joints[ankle].rest;
         let toe = index(toes).map(|toe| (toe, joints[toe].rest - rest));
         let vertices = skin.foot(side, rest, input.bones.contains_key(&foot));
-        let (shape, notes) = foot_shape(&FootInput { side, ankle, ankle_y: rest.y, toe, height, vertices: &vertices });
         if !skin.is_empty() && vertices.len() < 4 {
             warnings.push(format!("no part of the mesh moves with {}; its sole is made from the joints", foot.name()));
             confidence_factor *= 0.95;
         }
-        warnings.extend(notes);
-        shape
+        foot_shape(&FootInput { side, ankle, ankle_y: rest.y, toe, height, vertices: &vertices })
     });
-
-    if let Some(right) = twin(&feet, &joints, height) {
-        feet[1] = right;
+    let (feet, one_mirrored) = matched(measured, &joints, height, &mut warnings);
+    if one_mirrored {
+        confidence_factor *= 0.95;
     }
     let mass =
         input.mass.filter(|mass| mass.is_finite() && *mass > 0.0).unwrap_or(MASS_PER_HEIGHT_SQUARED * height * height);
@@ -145,32 +144,6 @@ fn belly(skin: &Skin, places: &BTreeMap<Role, DVec3>, height: f64) -> f64 {
         .filter(|vertex| vertex.y > hips.y && vertex.y < high && (vertex.x - hips.x).abs() < 0.08 * height)
         .map(|vertex| vertex.z - hips.z)
         .fold(0.0, f64::max)
-}
-
-/// The right foot as the exact mirror image of the left, where they are so but for the noise of a mesh.
-fn twin(feet: &[FootShape; 2], joints: &[BodyJoint], height: f64) -> Option<FootShape> {
-    let [left, right] = feet;
-    let flip = |point: DVec3| DVec3::new(-point.x, point.y, point.z);
-    let turn = |level: DQuat| DQuat::from_xyzw(level.x, -level.y, -level.z, level.w);
-    let within = 0.001 * height; // 1.7 mm for 1.7 m
-    let ankles = flip(joints[left.ankle].rest).distance(joints[right.ankle].rest);
-    let sizes = |foot: &FootShape| [foot.ankle_height, foot.heel, foot.ball, foot.tip, foot.half_width];
-    let alike = ankles < within
-        && left.toe.is_some() == right.toe.is_some()
-        && sizes(left).iter().zip(sizes(right)).all(|(one, other)| (one - other).abs() < within)
-        && left.forward.distance(DVec2::new(-right.forward.x, right.forward.y)) < 0.01
-        && turn(left.level).angle_between(right.level) < 0.01
-        && turn(left.toe_level).angle_between(right.toe_level) < 0.01;
-    alike.then(|| FootShape {
-        ankle: right.ankle,
-        toe: right.toe,
-        level: turn(left.level),
-        toe_level: turn(left.toe_level),
-        forward: DVec2::new(-left.forward.x, left.forward.y),
-        rear_sole: left.rear_sole.iter().copied().map(flip).collect(),
-        front_sole: left.front_sole.iter().copied().map(flip).collect(),
-        ..left.clone()
-    })
 }
 
 /// The mass that a document states for its character: `scenes[scene].extras.surefoot.mass_kg`, kg. The built-in rig does.
@@ -285,7 +258,7 @@ fn height(input: &BodyInput, skin: &Skin) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DMat3;
+    use glam::{DMat3, DVec2};
 
     /// Joints of the template, both sides, for 1.7 m; node indices are their order.
     fn bones(roles: &[Role]) -> BTreeMap<Role, (usize, DVec3)> {

@@ -34,6 +34,7 @@ mod skin;
 mod sole;
 mod sole_frame;
 mod sole_plane;
+mod sole_twin;
 pub mod space;
 pub mod vrm;
 

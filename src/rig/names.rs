@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 /// The tables, most common first: on a tie the earlier wins.
-const TABLES: [&str; 13] = [
+const TABLES: [&str; 14] = [
     include_str!("../../rigs/names/01_mixamo.toml"),
     include_str!("../../rigs/names/02_unreal.toml"),
     include_str!("../../rigs/names/03_rigify.toml"),
@@ -25,6 +25,7 @@ const TABLES: [&str; 13] = [
     include_str!("../../rigs/names/11_cmu.toml"),
     include_str!("../../rigs/names/12_opensim.toml"),
     include_str!("../../rigs/names/13_makehuman.toml"),
+    include_str!("../../rigs/names/14_plain.toml"),
 ];
 
 /// The tables, read once: a folder of clips asks for them thousands of times.

@@ -40,15 +40,29 @@ pub(super) struct FootVertex {
     pub toe: bool,
 }
 
-/// The sole, and what had to be assumed.
-pub(super) fn foot_shape(input: &FootInput) -> (FootShape, Vec<String>) {
+/// A sole, and what had to be assumed.
+#[derive(Clone, Debug)]
+pub(super) struct Measured {
+    pub shape: FootShape,
+    /// Sentences.
+    pub notes: Vec<String>,
+    /// By the mesh; else by the joints.
+    pub of_mesh: bool,
+}
+
+/// The sole by the mesh where it makes one, else by the joints.
+pub(super) fn foot_shape(input: &FootInput) -> Measured {
     if input.vertices.len() < 4 {
-        return (from_joints(input), Vec::new());
+        return Measured { shape: from_joints(input), notes: Vec::new(), of_mesh: false };
     }
-    from_mesh(input).filter(|(shape, _)| is_plausible(shape)).unwrap_or_else(|| {
-        let note = format!("the mesh around the {} foot makes no sole; it is made from the joints", name(input.side));
-        (from_joints(input), vec![note])
-    })
+    match from_mesh(input).filter(|(shape, _)| is_plausible(shape)) {
+        Some((shape, notes)) => Measured { shape, notes, of_mesh: true },
+        None => {
+            let note =
+                format!("the mesh around the {} foot makes no sole; it is made from the joints", name(input.side));
+            Measured { shape: from_joints(input), notes: vec![note], of_mesh: false }
+        }
+    }
 }
 
 /// A foot stands under its ankle, is not much wider than long, and was not lying on its side.
@@ -60,7 +74,7 @@ fn is_plausible(shape: &FootShape) -> bool {
     !rolled && under && 2.0 * shape.half_width < 1.5 * length
 }
 
-fn name(side: Side) -> &'static str {
+pub(super) fn name(side: Side) -> &'static str {
     match side {
         Side::Left => "left",
         Side::Right => "right",
@@ -277,12 +291,17 @@ mod tests {
         assert!((value - wanted).abs() <= within, "{what}: {value:.4}, wanted {wanted:.4} within {within}");
     }
 
+    fn measured(input: &FootInput) -> (FootShape, Vec<String>) {
+        let found = foot_shape(input);
+        (found.shape, found.notes)
+    }
+
     const TOE: DVec3 = DVec3::new(0.0, -0.06, 0.11);
 
     #[test]
     fn a_box_foot_has_its_own_heel_ball_tip_and_width() {
         let vertices = box_foot();
-        let (shape, warnings) = foot_shape(&input(&vertices, Some(TOE)));
+        let (shape, warnings) = measured(&input(&vertices, Some(TOE)));
         assert!(warnings.is_empty(), "{warnings:?}");
         assert_eq!((shape.level, shape.toe_level, shape.toe), (DQuat::IDENTITY, DQuat::IDENTITY, Some(4)));
         assert_near(shape.heel, -0.07, 1e-9, "heel");
@@ -303,7 +322,7 @@ mod tests {
             let pitch = DQuat::from_rotation_x(degrees.to_radians());
             let vertices: Vec<FootVertex> =
                 box_foot().iter().map(|vertex| FootVertex { offset: pitch * vertex.offset, ..*vertex }).collect();
-            let (shape, warnings) = foot_shape(&input(&vertices, Some(pitch * TOE)));
+            let (shape, warnings) = measured(&input(&vertices, Some(pitch * TOE)));
             assert_eq!(warnings.len(), 1, "it says so: {warnings:?}");
             assert!(shape.level.angle_between(pitch.inverse()) < 1e-5, "level {} against {pitch}", shape.level);
             assert_eq!(shape.level, shape.toe_level, "the toes were straight");
@@ -328,7 +347,7 @@ mod tests {
                 FootVertex { offset, ..*vertex }
             })
             .collect();
-        let (shape, _) = foot_shape(&input(&vertices, Some(toe)));
+        let (shape, _) = measured(&input(&vertices, Some(toe)));
         assert!(shape.level.angle_between(pitch.inverse()) < 0.02, "level {}", shape.level);
         assert_eq!(shape.toe_level, DQuat::IDENTITY);
         assert_near(shape.ankle_height, 0.08, 2e-3, "ankle height");
@@ -342,12 +361,12 @@ mod tests {
     #[test]
     fn without_toes_the_ball_stands_at_its_proportion() {
         let vertices: Vec<FootVertex> = box_foot().iter().map(|vertex| FootVertex { toe: false, ..*vertex }).collect();
-        let (shape, _) = foot_shape(&input(&vertices, None));
+        let (shape, _) = measured(&input(&vertices, None));
         assert_eq!(shape.toe, None);
         assert_near(shape.ball, -0.07 + 0.72 * 0.25, 1e-9, "ball");
         assert!(shape.front_sole.iter().all(|point| point.z >= shape.ball - 1e-9), "front points lie ahead of it");
         // A toe joint whose mesh hangs on the foot bends nothing.
-        let (shape, warnings) = foot_shape(&input(&vertices, Some(TOE)));
+        let (shape, warnings) = measured(&input(&vertices, Some(TOE)));
         assert_eq!((shape.toe, warnings.len()), (None, 1));
         assert_near(shape.ball, 0.11, 1e-9, "ball at the joint all the same");
     }
@@ -359,14 +378,14 @@ mod tests {
             box_foot().iter().map(|vertex| FootVertex { toe: false, ..*vertex }).collect();
         let bevel = [-0.03, 0.0, 0.03].map(|x| FootVertex { offset: DVec3::new(x, -0.069, 0.192), toe: false });
         vertices.extend(bevel);
-        let (shape, _) = foot_shape(&input(&vertices, None));
+        let (shape, _) = measured(&input(&vertices, None));
         assert_near(shape.tip, 0.192 - 0.011, 1e-9, "tip");
         assert_near(shape.foremost(), 0.192, 1e-9, "foremost");
         assert!(shape.front_sole.iter().any(|point| point.z > 0.19), "the bevel is of the sole all the same");
         // A millimetre up is no bevel: people's tips are rounded.
         let nearly = [-0.03, 0.03].map(|x| FootVertex { offset: DVec3::new(x, -0.079, 0.192), toe: false });
         vertices.extend(nearly);
-        assert_near(foot_shape(&input(&vertices, None)).0.tip, 0.192 - 0.001, 1e-9, "tip");
+        assert_near(measured(&input(&vertices, None)).0.tip, 0.192 - 0.001, 1e-9, "tip");
     }
 
     #[test]
@@ -374,14 +393,14 @@ mod tests {
         let turn = DQuat::from_rotation_y(15f64.to_radians());
         let vertices: Vec<FootVertex> =
             box_foot().iter().map(|vertex| FootVertex { offset: turn * vertex.offset, toe: false }).collect();
-        let (shape, _) = foot_shape(&input(&vertices, None));
+        let (shape, _) = measured(&input(&vertices, None));
         assert_near(shape.forward.x.atan2(shape.forward.y).to_degrees(), 15.0, 0.1, "by the mesh alone");
         assert_near(shape.tip, 0.18, 1e-3, "tip");
     }
 
     #[test]
     fn without_a_mesh_the_joints_make_a_plausible_sole() {
-        let (shape, _) = foot_shape(&input(&[], Some(TOE)));
+        let (shape, _) = measured(&input(&[], Some(TOE)));
         assert_near(shape.ball, 0.11, 1e-9, "ball");
         let length = shape.tip - shape.heel;
         assert!((0.2..0.3).contains(&length), "foot length {length}");
@@ -393,7 +412,7 @@ mod tests {
     fn broken_meshes_make_no_panic() {
         for offset in [DVec3::ZERO, DVec3::splat(1e300), DVec3::new(0.0, -0.08, 0.0)] {
             let vertices = vec![FootVertex { offset, toe: false }; 9];
-            let (shape, _) = foot_shape(&input(&vertices, Some(TOE)));
+            let (shape, _) = measured(&input(&vertices, Some(TOE)));
             assert!(shape.tip > shape.heel, "{shape:?}");
         }
     }
@@ -403,7 +422,7 @@ mod tests {
         let roll = DQuat::from_rotation_z(40f64.to_radians());
         let vertices: Vec<FootVertex> =
             box_foot().iter().map(|vertex| FootVertex { offset: roll * vertex.offset, ..*vertex }).collect();
-        let (shape, warnings) = foot_shape(&input(&vertices, Some(TOE)));
+        let (shape, warnings) = measured(&input(&vertices, Some(TOE)));
         assert_eq!((shape.level, warnings.len()), (DQuat::IDENTITY, 1));
         assert_near(shape.ball, 0.11, 1e-9, "ball, by the joints");
     }

@@ -6,10 +6,10 @@ use super::home::{Home, Remembered, Unsaved};
 use super::rewrite::rewrite;
 use super::simulate::Shown;
 use super::worker::{Reply, Wake, Worker};
-use crate::batch::run::{engines, root_joint};
+use crate::batch::run::{engines, form};
 use crate::disk::writer::{self, Output};
 use crate::disk::{Failure, clip_files, resolve};
-use crate::export::{self, Form};
+use crate::export;
 use crate::model::scenario_write::write;
 use crate::model::sweep::BakeSettings;
 use crate::model::{FileKind, Role, Scenario};
@@ -153,9 +153,7 @@ fn run(home: &mut Home, errand: Errand) -> Result<Option<Done>, Failure> {
 
 /// A clip's files: the rig with the clip, a VRM animation or an FBX, its events, and the helpers of engines.
 fn export(path: &Path, shown: &Shown, settings: &BakeSettings) -> Result<Done, Failure> {
-    let kind = FileKind::of(path);
-    let props = settings.props && kind.without_props().is_none();
-    let form = Form { kind, props, root_joint: root_joint(settings) };
+    let form = form(&BakeSettings { format: FileKind::of(path), ..settings.clone() });
     let made = export::baked(&shown.rig, &shown.baked, form).map_err(|error| Failure::failed(error.to_string()))?;
     let mut outputs = vec![
         Output { path: path.to_owned(), bytes: made.file },

@@ -1,15 +1,15 @@
 // One page in headless Chromium, served with the folders that it names: what the checks in a browser share.
 //   await inPage({ playwright, browserPath, page, served }, async (tab) => ...)
-// `page`: its HTML, which sets window.ready when it is; `served`: { top: folder }, so that /top/a/b is folder/a/b. What it leaves out:
-// finding playwright-core and a browser, which each check says for itself that it lacks.
+// `page`: its HTML, which sets window.ready when it is; `served`: { top: folder }, so that /top/a/b is folder/a/b; `drawn`: with WebGL, in
+// software. What it leaves out: finding playwright-core and a browser, which each check says for itself that it lacks.
 import { createServer } from 'node:http';
 import { existsSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { extname, join } from 'node:path';
 
-const types = { '.js': 'text/javascript', '.glb': 'model/gltf-binary', '.html': 'text/html' };
+const types = { '.js': 'text/javascript', '.mjs': 'text/javascript', '.glb': 'model/gltf-binary', '.html': 'text/html', '.wasm': 'application/wasm' };
 
-export async function inPage({ playwright, browserPath, page, served }, use) {
+export async function inPage({ playwright, browserPath, page, served, drawn = false }, use) {
   const server = createServer((request, response) => {
     const path = decodeURIComponent(new URL(request.url, 'http://x').pathname);
     if (path === '/') return response.setHeader('Content-Type', 'text/html').end(page);
@@ -23,7 +23,7 @@ export async function inPage({ playwright, browserPath, page, served }, use) {
   const browser = await playwright.chromium.launchPersistentContext(profile, {
     executablePath: browserPath,
     headless: true,
-    args: ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
+    args: ['--no-sandbox', ...(drawn ? ['--use-angle=swiftshader', '--enable-unsafe-swiftshader'] : ['--disable-gpu']), '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
   });
   try {
     const tab = await browser.newPage();

@@ -4,6 +4,7 @@
 //! Document space, the node's own units. Leaves out scales and morph targets.
 
 use super::Base;
+use crate::bake::keys::NEAREST;
 use crate::model::{Channel, Clip, Interpolation, KeyValues, Target};
 use crate::rig::Rig;
 use crate::rig::animate::Poser;
@@ -37,7 +38,8 @@ pub fn add(clip: &mut Clip, rig: &Rig, base: &Base) {
 fn channels(rig: &Rig, tracks: &Tracks, node: usize, base: &Base, start: f64, clip: &Clip) -> Vec<Channel> {
     let rest = &rig.nodes[node].local;
     let count = (clip.duration * base.fps).ceil() as usize;
-    let times: Vec<f64> = (0..=count).map(|key| (key as f64 / base.fps).min(clip.duration)).collect();
+    let inner = (0..count).map(|key| key as f64 / base.fps).filter(|time| *time < clip.duration - NEAREST);
+    let times: Vec<f64> = inner.chain([clip.duration]).collect();
     let locals: Vec<_> = times.iter().map(|time| tracks.local(node, start + base.wrapped(*time), rest)).collect();
     let translations: Vec<[f32; 3]> = locals.iter().map(|local| local.translation.as_vec3().to_array()).collect();
     let mut rotations: Vec<[f32; 4]> = locals.iter().map(|local| local.rotation.as_quat().to_array()).collect();

@@ -9,7 +9,7 @@ mod motion;
 mod told;
 mod travel;
 
-use super::keys::{KeyInput, straight_clip_on};
+use super::keys::{Curves, KeyInput, keyed_clip};
 use super::{BakeError, BakeOptions, Baked, RootMotion, base, carried, props, safe_letters};
 use crate::bake::Performance;
 use crate::model::props::Prop;
@@ -75,8 +75,9 @@ fn bake_one(
         pose: &|time| looped.pose_at(time),
         contacts: &looped.contacts,
         root_motion: RootMotion::Hips,
+        curves: Curves::Linear,
     };
-    let whole = straight_clip_on(&input, &|_| glam::DQuat::IDENTITY, &|_| 0.0);
+    let whole = keyed_clip(&input);
     let laid = |mode: RootMotion| {
         let mut clip = travel::laid(&whole, rig, mode, looped.travel);
         if let Some(over) = &performance.timeline.over {

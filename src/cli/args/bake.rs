@@ -1,7 +1,7 @@
 //! The arguments of the commands that bake: `bake` and `batch`.
 
 use super::super::forms::{assist, clip_name, engine, fps, glb_path, numbers, png_path, svg_path};
-use super::{Assist, Drive, Root};
+use super::{Assist, Curves, Drive, Root};
 use crate::export::engine::Engine;
 use clap::ArgGroup;
 use std::path::PathBuf;
@@ -50,9 +50,18 @@ pub struct BakeArgs {
     /// Limit of the helping torque (N m) and force (N) on the ragdoll's root
     #[arg(long, value_name = "off|auto|NM[,N]", default_value = "auto", value_parser = assist)]
     pub assist: Assist,
+    /// How the keys are joined
+    #[arg(long, value_enum, default_value_t = Curves::Linear)]
+    pub curves: Curves,
     /// Also write the ground, the platform, boxes and balls into the file, as animated nodes
     #[arg(long)]
     pub props: bool,
+    /// Write skeleton and clip alone, for a character that is in the scene already: no mesh, no image
+    #[arg(long, conflicts_with = "props")]
+    pub only_animation: bool,
+    /// Leave out the two nodes that show the foot contacts, contact_L and contact_R
+    #[arg(long)]
+    pub no_contact_nodes: bool,
     /// Bake only one cycle of a steady walk or stand, which repeats without a seam; the clip's name
     /// ends in _loop
     #[arg(long = "loop")]
@@ -99,6 +108,10 @@ pub struct BatchArgs {
     /// Write one file per rig with all of its clips, instead of one file per clip
     #[arg(long)]
     pub merge: bool,
+    /// Write skeletons and clips alone, for characters that are in the scene already, as
+    /// `only_animation = true` in [bake]
+    #[arg(long, conflicts_with_all = ["openjd", "slurm"])]
+    pub only_animation: bool,
     /// Do not draw sheet.png
     #[arg(long)]
     pub no_sheet: bool,

@@ -1,7 +1,7 @@
 //! The arguments of the commands that read clips: `audit`, `correct` and `retarget`.
 
 use super::super::forms::{axis, clip_name, csv_path, fps, glb_path, html_path, number, rule, toml_path};
-use super::Root;
+use super::{Curves, Root};
 use crate::model::findings::Rule;
 use std::path::PathBuf;
 
@@ -68,6 +68,9 @@ pub struct CorrectArgs {
     /// ballistic, timing, drift
     #[arg(long, value_name = "RULE,..", value_delimiter = ',', value_parser = rule)]
     pub rules: Vec<Rule>,
+    /// Of .glb, .gltf, .vrm and .fbx: write skeleton and clips alone, no mesh, no image
+    #[arg(long)]
+    pub only_animation: bool,
     /// Change the frame rate of a clip that plays too slowly or too fast
     #[arg(long)]
     pub retime: bool,
@@ -110,6 +113,15 @@ pub struct RetargetArgs {
     /// Which node carries the movement over the ground (root motion)
     #[arg(long, value_enum, default_value_t = Root::Root)]
     pub root: Root,
+    /// How the keys are joined
+    #[arg(long, value_enum, default_value_t = Curves::Linear)]
+    pub curves: Curves,
+    /// Write skeleton and clip alone, for a character that is in the scene already: no mesh, no image
+    #[arg(long)]
+    pub only_animation: bool,
+    /// Leave out the two nodes that show the foot contacts, contact_L and contact_R
+    #[arg(long)]
+    pub no_contact_nodes: bool,
     /// The clip file's up axis, if it is not recognised: X, Y or Z, also with a sign (-Z)
     #[arg(long, value_name = "AXIS", value_parser = axis, allow_hyphen_values = true)]
     pub up: Option<String>,

@@ -71,6 +71,16 @@ pub enum Root {
     InPlace,
 }
 
+/// How keys are joined.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Curves {
+    /// Straight lines: every program plays them alike
+    #[default]
+    Linear,
+    /// Splines: fewer keys, easier to edit by hand
+    Spline,
+}
+
 /// What moves the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Drive {

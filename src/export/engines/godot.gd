@@ -4,7 +4,9 @@
 #
 # Import dock of the .glb: set "Import Script" to this file and reimport. The .events.json must lie beside the .glb. Needs Godot 4.4
 # for markers. Marker names are unique in a clip, so they are numbered: foot_down_{{left}}_1, foot_down_{{left}}_2, contact_flat_{{right}}_1.
+# Godot renames clips: "steady_walk_loop" arrives as "steady_walk", and . @ " % / : as "_". One that is not found is warned of.
 # Root motion is set for a root that is called "root"; where a rig's own has another name, set AnimationPlayer.root_motion_track.
+# Run, written again in Python: clip_names beside the importer's rules. Read in Godot's documentation only: all else.
 @tool
 extends EditorScenePostImport
 
@@ -20,22 +22,47 @@ func _post_import(scene: Node) -> Object:
 	if not reports is Dictionary:
 		push_error("surefoot: %s cannot be read" % sidecar)
 		return scene
-	for player: AnimationPlayer in scene.find_children("*", "AnimationPlayer", true, false):
-		for clip: String in reports:
-			var name := _clip_name(clip)
-			if player.has_animation(name):
-				var animation := player.get_animation(name)
-				_mark(animation, reports[clip])
-				if reports[clip]["root_motion"] == "root":
-					_root_motion(player, animation)
+	var players := scene.find_children("*", "AnimationPlayer", true, false)
+	var taken := {}
+	for clip: String in reports:
+		var found := false
+		for player: AnimationPlayer in players:
+			for name in clip_names(clip):
+				if player.has_animation(name) and not taken.has([player, name]):
+					taken[[player, name]] = true
+					found = true
+					var animation := player.get_animation(name)
+					_mark(animation, reports[clip])
+					if reports[clip]["root_motion"] == "root":
+						_root_motion(player, animation)
+					break
+		if not found:
+			push_warning("surefoot: there is no animation of the clip %s: it has no markers" % clip)
 	return scene
 
 
-## As the importer writes it: these letters may not stand in a name.
-func _clip_name(clip: String) -> String:
-	for letter in ["/", ":", ",", "["]:
-		clip = clip.replace(letter, "")
-	return clip
+## What the importer may call a clip, likeliest first. A node's forbidden letters become "_"; "," and "[" go, since 4.5 they
+## become "_" too; then a loop's suffix goes, if no other clip has the name without it.
+static func clip_names(clip: String) -> PackedStringArray:
+	var names := PackedStringArray()
+	for stand_in: String in ["_", ""]:
+		var name := clip.validate_node_name().replace(",", stand_in).replace("[", stand_in)
+		for one: String in [name, without_loop(name)]:
+			if not names.has(one):
+				names.append(one)
+	return names
+
+
+## A name without "-loop", "_loop" or "$loop" (the same of loop_mode and cycle), before the digits and "_" at its end.
+static func without_loop(name: String) -> String:
+	for word: String in ["loop_mode", "loop", "cycle"]:
+		var stem := name.rstrip("0123456789_ ")
+		var tail := name.substr(stem.length())
+		if stem.findn("$" + word) >= 0:
+			name = stem.replace("$" + word, "") + tail
+		elif stem.to_lower().ends_with("-" + word) or stem.to_lower().ends_with("_" + word):
+			name = stem.left(stem.length() - word.length() - 1) + tail
+	return name
 
 
 func _mark(animation: Animation, report: Dictionary) -> void:

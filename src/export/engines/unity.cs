@@ -2,10 +2,14 @@
 //
 {{head}}
 //
-// Put this file into a folder called Editor and the .events.json beside the model (glTFast or UnityGLTF import the .glb). Needs the package
-// com.unity.nuget.newtonsoft-json. Select the model, then Assets > Surefoot > Make clips with events: an imported clip cannot be changed, so
-// each becomes a .anim beside the model. A component of the animated object receives them:
+// Root motion and Avatars need an FBX: bake with -o take.fbx. Rig tab of its import settings: Animation Type Generic, Avatar Definition Create From
+// This Model (or Copy From Other Avatar, the character's), Root node Root; or Humanoid. Then the Animator's Apply Root Motion. A .glb (glTFast,
+// UnityGLTF) comes with clips of transforms and without an Avatar: the travel moves the object Root.
+// Put this file into a folder called Editor and the .events.json beside the model. Needs the package com.unity.nuget.newtonsoft-json. Select
+// the model, then Assets > Surefoot > Make clips with events: an imported clip cannot be changed, so each becomes a .anim beside the model.
+// Made again it stays the same asset: what refers to it goes on doing so. A component of the animated object receives the events:
 //   void SurefootEvent(AnimationEvent e) { /* e.stringParameter is "foot_down_Left", "push_start", ... */ }
+// All of it was read in Unity's documentation, none of it run.
 using System.Collections.Generic;
 using System.IO;
 using System.Linq;
@@ -33,21 +37,36 @@ public static class SurefootEvents
                 continue;
             }
             var reports = JObject.Parse(File.ReadAllText(sidecar));
+            var told = new HashSet<string>();
             foreach (var source in AssetDatabase.LoadAllAssetsAtPath(path).OfType<AnimationClip>())
             {
-                if (reports[source.name] is JObject report)
+                // The importer keeps clips of its own for the preview.
+                if (!source.name.StartsWith("__preview__") && ReportOf(source.name, reports) is (string clip, JObject report))
                 {
+                    told.Add(clip);
                     MakeClip(source, report, Path.GetDirectoryName(path));
                 }
+            }
+            foreach (var clip in reports.Properties().Select(p => p.Name).Where(name => !told.Contains(name)))
+            {
+                Debug.LogWarning($"surefoot: {path} has no clip {clip}");
             }
         }
         AssetDatabase.SaveAssets();
     }
 
+    // Of an FBX a clip is called as its take, which may be "Armature|shove".
+    static (string, JObject)? ReportOf(string name, JObject reports)
+    {
+        var clip = name.Substring(name.LastIndexOf('|') + 1);
+        return reports[clip] is JObject report ? (clip, report) : null;
+    }
+
     static void MakeClip(AnimationClip source, JObject report, string folder)
     {
         var clip = Object.Instantiate(source);
-        clip.name = source.name;
+        var file = string.Concat(source.name.Split(Path.GetInvalidFileNameChars()));
+        clip.name = file;
         var events = new List<AnimationEvent>();
         foreach (var told in report["events"])
         {
@@ -71,8 +90,19 @@ public static class SurefootEvents
         var settings = AnimationUtility.GetAnimationClipSettings(clip);
         settings.loopTime = new[] { "loop", "cycle" }.Any(word => lower.StartsWith(word) || lower.EndsWith(word));
         AnimationUtility.SetAnimationClipSettings(clip, settings);
-        var file = string.Concat(clip.name.Split(Path.GetInvalidFileNameChars()));
-        AssetDatabase.CreateAsset(clip, $"{folder}/{file}.anim");
+        var path = $"{folder}/{file}.anim";
+        var earlier = AssetDatabase.LoadAssetAtPath<AnimationClip>(path);
+        if (earlier == null)
+        {
+            AssetDatabase.CreateAsset(clip, path);
+        }
+        else
+        {
+            // Into the asset that is there: a new one would leave every reference to it empty.
+            EditorUtility.CopySerialized(clip, earlier);
+            EditorUtility.SetDirty(earlier);
+            Object.DestroyImmediate(clip);
+        }
     }
 
     // 1 while any part of the foot is on the ground, 0 else, in steps.

@@ -187,6 +187,9 @@ fn bake_text(bake: &BakeSettings) -> String {
     line(bake.assist.is_some(), format!("assist = {:?}", bake.assist.unwrap_or_default()));
     line(bake.props && bake.format.without_props().is_none(), "props = true".into());
     line(bake.looped, "loop = true".into());
+    line(bake.curves == "spline", "curves = \"spline\"".into());
+    line(bake.only_animation, "only_animation = true".into());
+    line(!bake.contact_nodes, "contact_nodes = false".into());
     line(bake.format != FileKind::Glb, format!("format = {}", quoted(bake.format.ending())));
     line(!bake.engines.is_empty(), format!("engine = {:?}", bake.engines));
     text

@@ -1,22 +1,28 @@
-//! The nodes that carry one foot, and the points of it that a contact holds, evaluated from keys alone.
+//! The nodes that carry some points of the body (what a foot's contact holds, a wrist, the head), evaluated from keys alone.
 //!
-//! Scenario space, m. Only the chain from the scene's root to the foot is computed: this runs thousands of times a clip.
+//! Scenario space, m. Only the chains from the scene's root to the points are computed: this runs thousands of times a clip.
 
-use super::track::{quaternion, vector};
+use super::track::{Value, quaternion, vector};
 use crate::measure::support::held_points;
 use crate::model::{Side, report::Part};
 use crate::rig::Rig;
 use crate::rig::animate::Poser;
 use glam::{DAffine3, DQuat, DVec3};
 
-/// One foot's chain of nodes.
+/// The chain of nodes that carries a few points.
 #[derive(Clone, Debug)]
-pub(super) struct LegChain {
+pub(super) struct Chain {
     base: DAffine3,                   // scenario space from the document's world
     new_root: [Option<usize>; 2],     // tracks: translation, rotation
     links: Vec<Link>,                 // parents first
-    points: [Vec<(usize, DVec3)>; 3], // flat, ball, heel: link, point in its node
+    points: Vec<Vec<(usize, DVec3)>>, // by set; link, point in its node
 }
+
+/// The sets of a foot's chain, in the order of the enumeration.
+pub(super) const PARTS: [Part; 3] = [Part::Heel, Part::Ball, Part::Flat];
+
+/// Where the tracks of a node are found: its translation (false) or its rotation (true).
+pub(super) type TrackOf<'a> = &'a dyn Fn(usize, bool) -> Option<usize>;
 
 #[derive(Clone, Debug)]
 struct Link {
@@ -43,33 +49,41 @@ impl Held {
     }
 }
 
-impl LegChain {
-    /// The chain of one foot; `track` finds the track of a node's translation (false) or rotation (true).
-    pub(super) fn new(
+impl Chain {
+    /// The chain of one foot, whose sets are the points that a contact of each part holds, in the order of [`Part`].
+    pub(super) fn of_foot(rig: &Rig, poser: &Poser, side: Side, track: TrackOf, new_root: [Option<usize>; 2]) -> Chain {
+        let points = |part| held_points(&rig.body, side, part).into_iter().map(|point| (point.joint, point.offset));
+        let sets = PARTS.map(|part| points(part).collect());
+        Chain::to(rig, poser, &sets, track, new_root)
+    }
+
+    /// The chain of these sets of points: a joint, and m from it at rest.
+    pub(super) fn to(
         rig: &Rig,
         poser: &Poser,
-        side: Side,
-        track: &dyn Fn(usize, bool) -> Option<usize>,
+        sets: &[Vec<(usize, DVec3)>],
+        track: TrackOf,
         new_root: [Option<usize>; 2],
-    ) -> LegChain {
-        let base = rig.scenario_from_document();
-        let mut chain = LegChain { base, new_root, links: Vec::new(), points: [const { Vec::new() }; 3] };
-        for part in [Part::Flat, Part::Ball, Part::Heel] {
-            for point in held_points(&rig.body, side, part) {
-                let node = node_of(rig, point.joint);
+    ) -> Chain {
+        let mut chain = Chain { base: rig.scenario_from_document(), new_root, links: Vec::new(), points: Vec::new() };
+        for set in sets {
+            let mut points = Vec::new();
+            for (joint, offset) in set {
+                let node = node_of(rig, *joint);
                 let local = poser.reference_globals()[node].inverse();
-                let place = local.transform_point3(rig.body.joints[point.joint].rest + point.offset);
-                let link = chain.link(rig, poser, track, node);
-                chain.points[part as usize].push((link, place));
+                let place = local.transform_point3(rig.body.joints[*joint].rest + *offset);
+                points.push((chain.link(rig, poser, track, node), place));
             }
+            chain.points.push(points);
         }
-        if !poser.under_new_root(node_of(rig, rig.body.feet[side as usize].ankle)) {
+        let first = sets.iter().flatten().next();
+        if first.is_none_or(|(joint, _)| !poser.under_new_root(node_of(rig, *joint))) {
             chain.new_root = [None, None];
         }
         chain
     }
 
-    fn link(&mut self, rig: &Rig, poser: &Poser, track: &dyn Fn(usize, bool) -> Option<usize>, node: usize) -> usize {
+    fn link(&mut self, rig: &Rig, poser: &Poser, track: TrackOf, node: usize) -> usize {
         if let Some(link) = self.links.iter().position(|link| link.node == node) {
             return link;
         }
@@ -79,14 +93,21 @@ impl LegChain {
         self.links.len() - 1
     }
 
-    /// The tracks that move this foot.
+    /// The tracks that move its points.
     pub(super) fn tracks(&self) -> Vec<usize> {
         let links = self.links.iter().flat_map(|link| link.tracks);
         links.chain(self.new_root).flatten().collect()
     }
 
     /// The points that a contact of `part` holds, with the value of each track as `value` gives it.
-    pub(super) fn held(&self, part: Part, value: &dyn Fn(usize) -> [f32; 4]) -> Held {
+    pub(super) fn held(&self, part: Part, value: &dyn Fn(usize) -> Value) -> Held {
+        let places = self.places(&[part as usize], value);
+        let first = places.first().copied().unwrap_or_default();
+        Held([first, places.get(1).copied().unwrap_or(first)])
+    }
+
+    /// The points of these sets, with the value of each track as `value` gives it.
+    pub(super) fn places(&self, sets: &[usize], value: &dyn Fn(usize) -> Value) -> Vec<DVec3> {
         let mut base = self.base;
         if self.new_root.iter().any(Option::is_some) {
             let translation = self.new_root[0].map_or(DVec3::ZERO, |track| vector(&value(track)));
@@ -100,9 +121,8 @@ impl LegChain {
             let local = DAffine3::from_scale_rotation_translation(link.rest.scale, rotation, translation);
             globals.push(link.parent.map_or(base, |parent| globals[parent]) * local);
         }
-        let mut places = self.points[part as usize].iter().map(|(link, point)| globals[*link].transform_point3(*point));
-        let first = places.next().unwrap_or_default();
-        Held([first, places.next().unwrap_or(first)])
+        let points = sets.iter().filter_map(|set| self.points.get(*set)).flatten();
+        points.map(|(link, point)| globals[*link].transform_point3(*point)).collect()
     }
 }
 
