@@ -10,7 +10,7 @@
 //! | 3 | [`mocap`], [`stepper`], [`whole_body`], [`ragdoll`] | clip files (BVH, FBX, glTF, VRMA) and retargeting; the low-dimensional controller; the pose for a centre of mass and two feet; the articulated body: links, world, torques |
 //! | 4 | [`sim`], [`audit`] | the fixed-step session that runs the stepper or the articulated body under a scenario and records a trace; captures to findings |
 //! | 5 | [`bake`], [`correct`] | trace to clip, alone or over a base clip: foot curves, reach, ZMP filter, root motion, key reduction; findings to a corrected clip |
-//! | 6 | [`export`], [`picture`] | bytes of GLB, VRMA, events, engine helpers; contact sheets, plots, pages of audits |
+//! | 6 | [`export`], [`picture`] | bytes of GLB, VRMA, FBX, events, engine helpers; contact sheets, plots, pages of audits |
 //! | 7 | [`batch`] | sweep to plan to clips side by side; records, manifest, near-duplicates, jobs for farms |
 //! | 8 | [`disk`] | files on the disk: which are meant, what is in them; written whole or not at all |
 //! | 9 | [`cli`], `studio` | the command line; the window |

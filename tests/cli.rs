@@ -106,9 +106,17 @@ fn inputs_that_are_no_files_are_named() {
 }
 
 #[test]
-fn an_fbx_rig_is_refused_with_how_to_convert_it() {
-    let shell = Shell::with(&[("hero.fbx", "Kaydara FBX Binary"), ("shove.toml", SHOVE)]);
-    shell.run("bake hero.fbx shove.toml -o out.glb").exits(2).says(&["hero.fbx", "glTF 2.0"]);
+fn an_fbx_rig_is_baked_and_a_broken_one_is_told_of_by_name() {
+    let hero = crate::fbx_text::text(&crate::common::builtin(), crate::fbx_text::CENTIMETRES);
+    let shell = Shell::with(&[("broken.fbx", "Kaydara FBX Binary"), ("hero.fbx", &hero), ("shove.toml", SHOVE)]);
+    shell.run("bake broken.fbx shove.toml -o out.glb").exits(2).says(&["broken.fbx", "Truncated", "binary FBX"]);
+    shell.run("bake hero.fbx shove.toml -o take.fbx").exits(0);
+    shell.run("bake hero.fbx shove.toml -o hero.glb").exits(0);
+    shell.run("inspect hero.fbx").exits(0);
+    shell.run("retarget take.fbx hero.fbx -o again.fbx").exits(0);
+    shell.run("audit take.fbx").exits(0);
+    shell.run("bake hero.fbx shove.toml -o take.fbx --props").exits(2).says(&["an FBX take holds no meshes"]);
+    assert!(shell.files().contains(&"take.events.json".to_owned()), "{:?}", shell.files());
 }
 
 #[cfg(unix)]

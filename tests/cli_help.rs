@@ -53,7 +53,7 @@ fn help_of_a_command_is_that_of_its_flag_and_a_topic_follows_where_it_has_the_sa
 fn the_usage_of_a_bake_names_its_arguments_in_the_order_in_which_they_are_given() {
     let told = Shell::new().run("bake --help").exits(0);
     assert!(
-        told.out.contains("\nUsage: surefoot bake [OPTIONS] <RIG> <SCENARIO> --output <OUT.glb|OUT.vrma>\n"),
+        told.out.contains("\nUsage: surefoot bake [OPTIONS] <RIG> <SCENARIO> --output <OUT.glb|OUT.vrma|OUT.fbx>\n"),
         "{}",
         told.out
     );

@@ -40,6 +40,7 @@ pub fn folder() -> Shell {
         fs::write(path, bytes).expect("the test's own folder");
     };
     put("hero.glb", hero());
+    put("hero.fbx", crate::fbx_text::text(&builtin(), crate::fbx_text::CENTIMETRES).as_bytes());
     put("shove.toml", SHOVE.as_bytes());
     put("over_idle.toml", format!("{SHOVE}\n[base]\nclip = \"Idle\"\n").as_bytes());
     put("walk.toml", WALK.as_bytes());

@@ -208,8 +208,8 @@ fn props_have_no_place_in_a_vrm_animation() {
     let (code, _, err) = run(folder.path(), "bake builtin --demo --props -o a.vrma");
     assert_eq!(code, 2, "{err}");
     assert!(err.contains("holds no meshes") && err.contains("help:"), "{err}");
-    let (code, _, err) = run(folder.path(), "bake builtin --demo -o a.fbx");
-    assert!(code == 2 && err.contains(".vrma"), "{err}");
+    let (code, _, err) = run(folder.path(), "bake builtin --demo -o a.dae");
+    assert!(code == 2 && err.contains(".vrma") && err.contains(".fbx"), "{err}");
     assert!(listing(folder.path()).is_empty());
 }
 

@@ -123,7 +123,7 @@ fn percent_encoded_files_beside_the_document_are_found() {
 #[test]
 fn other_kinds_of_files_say_what_to_do() {
     let cases: [(&str, &[u8], &str); 6] = [
-        ("a.fbx", b"Kaydara FBX Binary  \0", "Blender"),
+        ("a.fbx", b"Kaydara FBX Binary  \0", "export it again as binary FBX"),
         ("a.bvh", b"HIERARCHY\nROOT Hips", "BVH"),
         ("a.txt", b"hello", "glb"),
         ("a.glb", b"", "empty"),

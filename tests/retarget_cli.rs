@@ -85,7 +85,7 @@ fn what_cannot_be_retargeted_is_told_with_a_remedy() {
     let (pack, walk) = (path("rigs/m2m_human_base_animations.glb"), path("clips/cmu_02_01_walk.bvh"));
     told(&["retarget", &pack, "builtin", "-o", "a.glb"], "name one with --clip");
     told(&["retarget", &pack, "builtin", "-o", "a.glb", "--clip", "Nap"], "no clip \"Nap\"");
-    told(&["retarget", &walk, &path("rigs/quaternius_Robot.fbx"), "-o", "a.glb"], "cannot carry the clip");
+    told(&["retarget", &walk, &path("rigs/quaternius_Robot.fbx"), "-o", "a.glb"], "not a humanoid");
     told(&["retarget", &walk, "notes.txt", "-o", "a.glb"], "notes.txt");
     assert_eq!(std::fs::read_dir(folder.path()).expect("the test's own folder").count(), 1, "nothing was written");
 }

@@ -52,6 +52,12 @@ mod engines;
 mod export;
 /// The same for rigs that nobody here made: slip, keys, the Khronos validator.
 mod export_real;
+/// FBX rigs that are read, and what is baked onto them.
+mod fbx_in;
+/// FBX files that are written, read back by ufbx.
+mod fbx_out;
+/// FBX files as text.
+mod fbx_text;
 /// The run that the library's documentation shows.
 mod first_run;
 /// What the `gltf` crate refuses, loses or panics on, and is read here.

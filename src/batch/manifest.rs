@@ -92,7 +92,7 @@ impl Table<'_> {
 
     fn row(&self, variation: &Variation, ended: &Ended, alike: Option<usize>) -> Value {
         let rig = self.plan.rig_name(variation);
-        let ending = if self.plan.sweep.bake.vrma { "vrma" } else { "glb" };
+        let ending = self.plan.sweep.bake.format.ending();
         let file = match self.merged {
             true => format!("{rig}.{ending}"),
             false => format!("{rig}/{}.{ending}", variation.name),

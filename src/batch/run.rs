@@ -154,8 +154,7 @@ fn kept(rig: &Rig, baked: Baked, exported: Exported, settings: &BakeSettings, wa
         let report = serde_json::to_string(&baked.report).unwrap_or_default();
         Some(Piece { clip: baked.clip, report })
     } else {
-        let ending = if settings.vrma { "vrma" } else { "glb" };
-        files.push((ending.to_owned(), exported.file));
+        files.push((settings.format.ending().to_owned(), exported.file));
         files.push(("events.json".to_owned(), exported.events));
         None
     };
@@ -165,8 +164,8 @@ fn kept(rig: &Rig, baked: Baked, exported: Exported, settings: &BakeSettings, wa
 /// Which files are made.
 pub fn form(settings: &BakeSettings) -> Form {
     Form {
-        vrma: settings.vrma,
-        props: settings.props && !settings.vrma,
+        kind: settings.format,
+        props: settings.props && settings.format.without_props().is_none(),
         root_joint: root_joint(settings),
         only_animation: settings.only_animation,
         no_contact_nodes: !settings.contact_nodes,

@@ -10,7 +10,7 @@ use crate::disk::{Exit, Failure};
 use crate::export::Form;
 use crate::export::engine::{ENGINES, Engine};
 use crate::model::report::{Contact, JointTorque, Outcome, Part};
-use crate::model::{Scenario, Side};
+use crate::model::{FileKind, Scenario, Side};
 use crate::ragdoll::control::MOST_TORQUE;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -33,9 +33,9 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     places.extend(helpers.iter().map(PathBuf::as_path));
 
     // Everything that can be wrong with the arguments is told before the work starts.
-    if args.props && parts::is_vrma(&output) {
+    if let (true, Some(what)) = (args.props, FileKind::of(&output).without_props()) {
         return Err(Failure::bad_input(format!(
-            "{}: a VRM animation holds no meshes, so no props\n  help: leave --props away, or let the name end in .glb",
+            "{}: {what} holds no meshes, so no props\n  help: leave --props away, or let the name end in .glb",
             output.display()
         )));
     }
@@ -83,7 +83,7 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
 
     let root_joint = args.root == Root::Root && engines.iter().any(|engine| engine.root_is_joint);
     let form = Form {
-        vrma: parts::is_vrma(&output),
+        kind: FileKind::of(&output),
         props: args.props,
         root_joint,
         only_animation: args.only_animation,
@@ -119,7 +119,8 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     say(&match args.json {
         true => as_json(&baked, &exported.name, Some(&places), &warnings),
         false => {
-            let next = if args.demo { next_steps(&output) } else { String::new() };
+            let next =
+                if args.demo && FileKind::of(&output) == FileKind::Glb { next_steps(&output) } else { String::new() };
             summary(&baked, &exported.name, &places, size) + &next
         }
     })?;
@@ -164,7 +165,7 @@ fn next_steps(output: &Path) -> String {
     let mut text = format!(
         "\nTo look at it, drop {} into any glTF viewer, for example\n\
          https://gltf-viewer.donmccurdy.com, or into an engine that reads glTF; in Blender choose\n\
-         File > Import > glTF 2.0.\n\nTo bake onto your own rig (.glb, .gltf or .vrm):\n\n\
+         File > Import > glTF 2.0.\n\nTo bake onto your own rig (.glb, .gltf, .vrm or .fbx):\n\n\
          \x20   {program} new scenario -o shove.toml\n\
          \x20   {program} bake hero.glb shove.toml -o exports/hero_shove.glb\n",
         output.display()

@@ -137,11 +137,13 @@ fn planned(path: &Path) -> Result<(Plan, Vec<PathBuf>), Failure> {
 
 fn check_flags(args: &BatchArgs, plan: &Plan) -> Result<(), Failure> {
     let bake = &plan.sweep.bake;
-    let wrong = match (args.merge, bake.vrma, bake.props) {
-        (true, true, _) => "a VRM animation holds one clip: leave --merge away, or `format` in [bake]",
-        (true, _, true) => "props belong to one clip each: leave --merge away, or `props` in [bake]",
-        (_, true, true) => "a VRM animation holds no meshes, so no props: leave one of them away in [bake]",
-        (_, _, true) if bake.only_animation => "props are meshes: leave them or `only_animation` away in [bake]",
+    let wrong = match (args.merge, bake.format.without_props(), bake.props) {
+        (true, Some(what), _) => format!("{what} holds one clip: leave --merge away, or `format` in [bake]"),
+        (true, _, true) => "props belong to one clip each: leave --merge away, or `props` in [bake]".to_owned(),
+        (_, Some(what), true) => format!("{what} holds no meshes, so no props: leave one of them away in [bake]"),
+        (_, _, true) if bake.only_animation => {
+            "props are meshes: leave them or `only_animation` away in [bake]".to_owned()
+        }
         _ => return Ok(()),
     };
     Err(Failure::bad_input(format!("{}: {wrong}", args.sweep.display())))
@@ -188,7 +190,10 @@ fn effort(plan: &Plan, rigs: &[RigFile], open: &[&Variation]) -> (f64, f64) {
     let keys = each * BYTES_A_SECOND * bake.fps / 30.0;
     let bytes = open
         .iter()
-        .map(|one| RECORD_BYTES + keys + if bake.vrma || bake.only_animation { 0.0 } else { rigs[one.rig].size as f64 })
+        .map(|one| {
+            let alone = bake.only_animation || bake.format != crate::model::FileKind::Glb;
+            RECORD_BYTES + keys + if alone { 0.0 } else { rigs[one.rig].size as f64 }
+        })
         .sum();
     (open.len() as f64 * (0.03 + each * rate), bytes)
 }

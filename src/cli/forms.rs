@@ -45,8 +45,8 @@ pub(super) fn assist(text: &str) -> Result<Assist, String> {
 
 pub(super) fn glb_path(text: &str) -> Result<PathBuf, String> {
     const REMEDY: &str =
-        "a baked clip is a binary glTF file: let its name end in .glb, or in .vrma for a VRM animation";
-    with_ending(text, &["glb", "vrm", "vrma"], REMEDY)
+        "a baked clip is a binary glTF file: let its name end in .glb, in .vrma for a VRM animation, or in .fbx";
+    with_ending(text, &["glb", "vrm", "vrma", "fbx"], REMEDY)
 }
 
 pub(super) fn png_path(text: &str) -> Result<PathBuf, String> {

@@ -9,7 +9,6 @@ use crate::rig::mannequin::{MannequinOptions, mannequin};
 use crate::rig::{Rig, clips};
 use crate::{bake, export, picture};
 use std::cell::RefCell;
-use std::path::Path;
 use std::sync::Arc;
 
 /// Moments on a contact sheet.
@@ -75,11 +74,6 @@ pub fn bake(rig: &Rig, scenario: &Scenario, base: Option<Arc<Base>>, args: &Bake
         }
         error => Failure::failed(error.to_string()),
     })
-}
-
-/// Whether a file of that name is a VRM animation: the motion without the rig.
-pub fn is_vrma(output: &Path) -> bool {
-    output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("vrma"))
 }
 
 /// Makes the files of a baked clip.

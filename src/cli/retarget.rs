@@ -1,4 +1,4 @@
-//! `surefoot retarget`: a clip of another skeleton onto a rig, as one more clip in a copy of the rig's file.
+//! `surefoot retarget`: a clip of another skeleton onto a rig, as one more clip in a copy of the rig's file, or as a file of its own.
 
 use super::args::{RetargetArgs, Root};
 use super::progress::busy;
@@ -10,6 +10,7 @@ use crate::disk::writer::{self, Output};
 use crate::disk::{Exit, Failure};
 use crate::export::{self, Form};
 use crate::mocap::{self, ClipFile, Options};
+use crate::model::FileKind;
 use serde_json::json;
 use std::path::Path;
 
@@ -45,19 +46,22 @@ pub fn run(args: &RetargetArgs) -> Result<Exit, Failure> {
         return Err(Failure::bad_input(format!("{}: {what}", args.clip_file.display())));
     };
     let failed = |error: export::ExportError| Failure::failed(error.to_string());
-    let form = Form { only_animation: args.only_animation, no_contact_nodes: args.no_contact_nodes, ..Form::default() };
-    let mut written = export::glb(&rig, &[(form.clip(&made.clip), made.report.clone())]).map_err(failed)?;
-    written.bytes = form.file(written.bytes, &written.names).map_err(failed)?;
-    let name = written.names.first().cloned().unwrap_or_else(|| made.clip.name.clone());
-    let events_bytes = export::events_json([(name.as_str(), &made.report)]).map_err(failed)?;
+    let form = Form {
+        kind: FileKind::of(&args.output),
+        only_animation: args.only_animation,
+        no_contact_nodes: args.no_contact_nodes,
+        ..Form::default()
+    };
+    let written = export::exported(&rig, (&made.clip, &made.report), &[], form).map_err(failed)?;
+    let name = written.name;
     for warning in rig.mapping.warnings.iter().chain(&source.notes).chain(&written.changes) {
         tell(&format!("warning: {warning}"));
     }
-    let size = written.bytes.len();
+    let size = written.file.len();
     writer::write(
         &[
-            Output { path: args.output.clone(), bytes: written.bytes },
-            Output { path: events.clone(), bytes: events_bytes },
+            Output { path: args.output.clone(), bytes: written.file },
+            Output { path: events.clone(), bytes: written.events },
         ],
         &inputs,
     )?;

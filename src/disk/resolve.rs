@@ -33,22 +33,12 @@ pub fn rig_with(path: &Path, bones: &BTreeMap<Role, Option<usize>>) -> Result<Ri
     if path.as_os_str() == "builtin" {
         return Ok(RigInput { rig: builtin_rig()?, files: Vec::new() });
     }
-    plain_file(path, "a rig is a .glb, .gltf or .vrm file; `builtin` is the built-in rig")?;
-    match ending(path).as_str() {
-        "fbx" => {
-            return Err(Failure::bad_input(format!(
-                "{}: an .fbx file cannot carry the clip\n  help: convert the rig first: in Blender File > Import > FBX, then \
-                 File > Export > glTF 2.0 (.glb)",
-                path.display()
-            )));
-        }
-        "toml" => {
-            return Err(Failure::bad_input(format!(
-                "{}: a scenario stands where the rig should\n  help: the order is `surefoot bake RIG SCENARIO -o OUT.glb`",
-                path.display()
-            )));
-        }
-        _ => {}
+    plain_file(path, "a rig is a .glb, .gltf, .vrm or .fbx file; `builtin` is the built-in rig")?;
+    if ending(path) == "toml" {
+        return Err(Failure::bad_input(format!(
+            "{}: a scenario stands where the rig should\n  help: the order is `surefoot bake RIG SCENARIO -o OUT.glb`",
+            path.display()
+        )));
     }
     let rig = load_rig(path, bones)?;
     let files = files_of(&rig, path);

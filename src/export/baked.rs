@@ -1,17 +1,17 @@
-//! A baked clip as the files that are written for it: the rig's document with the clip, or a VRM animation, and the events beside.
+//! A baked clip as the files that are written for it: the rig's document with the clip, a VRM animation or an FBX, and the events beside.
 
-use super::{ExportError, events_json, glb_with_root, only_animation, vrma};
+use super::{ExportError, events_json, fbx, glb_with_root, only_animation, vrma};
 use crate::bake::{Baked, RootMotion};
-use crate::model::{Clip, Target};
+use crate::model::{Clip, ClipReport, FileKind, Prop, Target};
 use crate::rig::Rig;
 use crate::rig::animate::RootCarrier;
 
 /// Which files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Form {
-    /// A VRM animation, the motion alone, instead of a copy of the rig.
-    pub vrma: bool,
-    /// Ground, boxes and balls too, as animated nodes; a VRM animation has none.
+    /// What kind of file.
+    pub kind: FileKind,
+    /// Ground, boxes and balls too, as animated nodes; a VRM animation and an FBX have none.
     pub props: bool,
     /// The node that carries root motion as a joint of the skins.
     pub root_joint: bool,
@@ -42,7 +42,7 @@ impl Form {
 /// The bytes of a baked file and of what stands beside it.
 #[derive(Clone, Debug)]
 pub struct Exported {
-    /// The rig's document with the clip in it, or a VRM animation.
+    /// The rig's document with the clip in it, a VRM animation or an FBX.
     pub file: Vec<u8>,
     /// `{ clip name: report }`.
     pub events: Vec<u8>,
@@ -52,20 +52,35 @@ pub struct Exported {
     pub changes: Vec<String>,
 }
 
-/// Makes the files.
+/// Makes the files of what was baked.
 pub fn baked(rig: &Rig, baked: &Baked, form: Form) -> Result<Exported, ExportError> {
-    if form.vrma {
-        let name = baked.clip.name.clone();
-        let made = vrma(rig, &baked.clip, &baked.report)?;
+    let props = if form.props { &baked.props[..] } else { &[] };
+    exported(rig, (&baked.clip, &baked.report), props, form)
+}
+
+/// Makes the files of a clip and its report; `props`: things beside the body, which a GLB holds.
+pub fn exported(
+    rig: &Rig,
+    (clip, report): (&Clip, &ClipReport),
+    props: &[Prop],
+    form: Form,
+) -> Result<Exported, ExportError> {
+    if form.kind == FileKind::Fbx {
+        let made = fbx(rig, clip, report)?;
+        let events = events_json([(made.name.as_str(), &made.report)])?;
+        return Ok(Exported { file: made.bytes, events, name: made.name, changes: made.changes });
+    }
+    if form.kind == FileKind::Vrma {
+        let name = clip.name.clone();
+        let made = vrma(rig, clip, report)?;
         let events = events_json([(name.as_str(), &made.report)])?;
         return Ok(Exported { file: made.bytes, events, name, changes: made.losses });
     }
-    let clips = [(form.clip(&baked.clip), baked.report.clone())];
-    let props = if form.props { &baked.props[..] } else { &[] };
+    let clips = [(form.clip(clip), report.clone())];
     let file = glb_with_root(rig, &clips, props, form.root_joint.then(|| root_target(rig)))?;
     let bytes = form.file(file.bytes, &file.names)?;
-    let name = file.names.into_iter().next().unwrap_or_else(|| baked.clip.name.clone());
-    let events = events_json([(name.as_str(), &baked.report)])?;
+    let name = file.names.into_iter().next().unwrap_or_else(|| clip.name.clone());
+    let events = events_json([(name.as_str(), report)])?;
     Ok(Exported { file: bytes, events, name, changes: file.changes })
 }
 

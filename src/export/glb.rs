@@ -234,7 +234,7 @@ impl Writer {
 }
 
 /// Refuses what no reader could play: numbers that are none, times that do not rise, nodes that are not there.
-fn check(rig: &Rig, clip: &Clip) -> Result<(), ExportError> {
+pub(super) fn check(rig: &Rig, clip: &Clip) -> Result<(), ExportError> {
     let mut seen = BTreeSet::new();
     for channel in &clip.channels {
         let rotates = matches!(channel.values, KeyValues::Rotation(_));

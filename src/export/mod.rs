@@ -1,4 +1,4 @@
-//! Clips as bytes: the source document with animations appended, or a VRM animation; events and helpers for engines beside it. No file
+//! Clips as bytes: the source document with animations appended, a VRM animation or an FBX; events and helpers for engines beside it. No file
 //! is touched here.
 
 pub mod amend;
@@ -7,6 +7,7 @@ mod baked;
 mod buffers;
 pub mod engine;
 pub mod events;
+pub mod fbx;
 pub mod glb;
 mod held;
 mod only_animation;
@@ -16,8 +17,9 @@ mod tpose;
 pub mod vrma;
 
 pub use amend::{Amended, amend};
-pub use baked::{Exported, Form, baked, root_target};
+pub use baked::{Exported, Form, baked, exported, root_target};
 pub use events::events_json;
+pub use fbx::{ExportedFbx, fbx};
 pub use glb::{ExportedGlb, glb, glb_with_props, glb_with_root};
 pub use only_animation::only_animation;
 pub use tpose::t_pose;

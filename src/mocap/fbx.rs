@@ -7,17 +7,10 @@
 use super::skeleton::{Recording, Said, stand};
 use super::{MocapError, Options, Reading, frames, rate};
 use crate::rig::Trs;
-use crate::rig::nodes::decompose;
-use glam::{DAffine3, DMat3, DQuat, DVec3};
+use crate::rig::fbx::{self, trs};
+use glam::DVec3;
 use ufbx::{CoordinateAxis, Scene, SceneRoot};
 
-/// Memory that a file may take: this, and so many times its own size.
-const MEMORY: (usize, usize) = (64 << 20, 24);
-/// Nodes and their depth.
-const MOST_NODES: usize = 20_000;
-const DEEPEST: u32 = 512;
-/// Coordinates beyond this are a broken file.
-const FARTHEST: f64 = 1e7;
 /// Curves whose keys are looked at for a rate.
 const CURVES_LOOKED_AT: usize = 200;
 /// Sentences.
@@ -33,30 +26,15 @@ pub struct Fbx {
 impl Fbx {
     /// Reads a file's bytes. `name` is the file in messages.
     pub fn open(name: &str, bytes: &[u8]) -> Result<Fbx, MocapError> {
-        let memory = |opts: &mut ufbx::AllocatorOpts| {
-            opts.memory_limit = MEMORY.0.saturating_add(bytes.len().saturating_mul(MEMORY.1)).min(2 << 30);
-        };
-        let mut opts = ufbx::LoadOpts {
+        let opts = ufbx::LoadOpts {
             ignore_geometry: true,
             ignore_embedded: true,
             skip_skin_vertices: true,
             skip_mesh_parts: true,
-            node_depth_limit: DEEPEST,
-            file_format: ufbx::FileFormat::Fbx,
-            inherit_mode_handling: ufbx::InheritModeHandling::Compensate,
             ..ufbx::LoadOpts::default()
         };
-        memory(&mut opts.temp_allocator);
-        memory(&mut opts.result_allocator);
-        let scene = ufbx::load_memory(bytes, opts).map_err(|error| MocapError::Malformed {
-            file: name.into(),
-            place: "FBX".into(),
-            what: said(&error),
-        })?;
-        if scene.nodes.count > MOST_NODES {
-            let what = format!("{} nodes: over {MOST_NODES} are too many", scene.nodes.count);
-            return Err(MocapError::Malformed { file: name.into(), place: "FBX".into(), what });
-        }
+        let broken = |what| MocapError::Malformed { file: name.into(), place: "FBX".into(), what };
+        let scene = fbx::open(bytes, opts).map_err(broken)?;
         Ok(Fbx { scene })
     }
 
@@ -71,7 +49,7 @@ impl Fbx {
 
     /// Reads one clip.
     pub fn read(&self, file: &str, index: usize, person: &Said, options: &Options) -> Result<Reading, MocapError> {
-        let nodes = self.nodes();
+        let nodes = fbx::nodes(&self.scene);
         let clip = self.clip(file, index, options.fps)?;
         let scene: &Scene = &self.scene;
         let local = |frame: usize, node: usize| self.local(index, node, clip.start + frame as f64 / clip.fps);
@@ -99,14 +77,6 @@ impl Fbx {
     }
 }
 
-/// The hierarchy as it stands without animation.
-pub(super) struct Nodes {
-    pub names: Vec<String>,
-    pub parents: Vec<Option<usize>>,
-    pub order: Vec<usize>,
-    pub zero: Vec<Trs>,
-}
-
 /// When a clip plays and how finely.
 pub(super) struct ClipTimes {
     pub name: String,
@@ -119,57 +89,6 @@ impl Fbx {
     /// A node's local transform in a clip at a time, s.
     pub(super) fn local(&self, clip: usize, node: usize, time: f64) -> Trs {
         trs(&ufbx::evaluate_transform(&self.scene.anim_stacks[clip].anim, &self.scene.nodes[node], time))
-    }
-
-    pub(super) fn nodes(&self) -> Nodes {
-        let scene: &Scene = &self.scene;
-        let count = scene.nodes.count;
-        let index = |node: &ufbx::Node| node.element.typed_id as usize;
-        let parents: Vec<Option<usize>> = scene
-            .nodes
-            .into_iter()
-            .map(|node| node.parent.as_ref().map(|parent| index(parent)).filter(|parent| *parent < count))
-            .collect();
-        let mut children: Vec<Vec<usize>> = vec![Vec::new(); count];
-        let mut order: Vec<usize> = Vec::with_capacity(count);
-        for (node, parent) in parents.iter().enumerate() {
-            match parent {
-                Some(parent) => children[*parent].push(node),
-                None => order.push(node),
-            }
-        }
-        let mut at = 0;
-        while at < order.len() {
-            order.extend(&children[order[at]]);
-            at += 1;
-        }
-        let locals: Vec<Trs> = scene.nodes.into_iter().map(|node| trs(&node.local_transform)).collect();
-        let mut bound: Vec<Option<DAffine3>> = vec![None; count];
-        for pose in scene.poses.into_iter().filter(|pose| pose.is_bind_pose) {
-            for bone in &pose.bone_poses {
-                let node = index(&bone.bone_node);
-                let matrix = affine(&bone.bone_to_world);
-                if node < count && matrix.is_finite() && matrix.matrix3.determinant().abs() > 1e-12 {
-                    bound[node].get_or_insert(matrix);
-                }
-            }
-        }
-        let mut zero = locals.clone();
-        let mut placed = vec![DAffine3::IDENTITY; count];
-        for &node in &order {
-            let above = parents[node].map_or(DAffine3::IDENTITY, |parent| placed[parent]);
-            if let Some(target) = bound[node]
-                && above.matrix3.determinant().abs() > 1e-15
-            {
-                let bind = decompose(&(above.inverse() * target));
-                if bind.translation.length() < FARTHEST && bind.scale.is_finite() {
-                    zero[node] = bind;
-                }
-            }
-            placed[node] = above * zero[node].affine();
-        }
-        let names = scene.nodes.into_iter().map(|node| node.element.name.to_string()).collect();
-        Nodes { names, parents, order, zero }
     }
 
     pub(super) fn clip(&self, file: &str, index: usize, wanted_fps: Option<f64>) -> Result<ClipTimes, MocapError> {
@@ -214,15 +133,6 @@ impl Fbx {
     }
 }
 
-/// What ufbx says, with its details; its first line.
-fn said(error: &ufbx::Error) -> String {
-    let mut text = [0_u8; 512];
-    let length = ufbx::format_error(&mut text, error).min(text.len());
-    let text = String::from_utf8_lossy(&text[..length]).into_owned();
-    let line = text.lines().next().unwrap_or_default().trim_end_matches('\0');
-    line.split_once("error: ").map_or(line, |(_, what)| what).to_owned()
-}
-
 /// Up, as the settings say.
 fn axis(axis: CoordinateAxis) -> Option<DVec3> {
     Some(match axis {
@@ -234,26 +144,4 @@ fn axis(axis: CoordinateAxis) -> Option<DVec3> {
         CoordinateAxis::NegativeZ => DVec3::NEG_Z,
         CoordinateAxis::Unknown => return None,
     })
-}
-
-/// A transform of ufbx; what is no number stands still.
-fn trs(transform: &ufbx::Transform) -> Trs {
-    let vector = |v: &ufbx::Vec3, other: DVec3| {
-        let vector = DVec3::new(v.x, v.y, v.z);
-        if vector.abs().max_element() < FARTHEST { vector } else { other }
-    };
-    let turn = &transform.rotation;
-    let rotation = DQuat::from_xyzw(turn.x, turn.y, turn.z, turn.w);
-    let length = rotation.length();
-    Trs {
-        translation: vector(&transform.translation, DVec3::ZERO),
-        rotation: if length.is_finite() && length > 1e-6 { rotation.normalize() } else { DQuat::IDENTITY },
-        scale: vector(&transform.scale, DVec3::ONE),
-    }
-}
-
-fn affine(m: &ufbx::Matrix) -> DAffine3 {
-    let columns = [[m.m00, m.m10, m.m20], [m.m01, m.m11, m.m21], [m.m02, m.m12, m.m22]];
-    let [x, y, z] = columns.map(DVec3::from_array);
-    DAffine3 { matrix3: DMat3::from_cols(x, y, z), translation: DVec3::new(m.m03, m.m13, m.m23) }
 }

@@ -8,10 +8,8 @@ use super::skeleton::Said;
 use super::{MocapError, Options};
 use crate::maths::quat::shortest_arc;
 use crate::rig::Trs;
+use crate::rig::fbx::{Buffer, animation, container};
 use serde_json::{Value, json};
-
-/// Relative to itself, m or radians: what moves less stands still.
-const STILL: f64 = 1e-7;
 
 /// Transforms that are written at most.
 const MOST_TRANSFORMS: usize = 1 << 26;
@@ -68,7 +66,9 @@ pub fn write(fbx: &Fbx, file: &str, said: &Said, options: &Options) -> Result<Ve
             let what = format!("{} nodes in so many frames are too many to write", nodes.len());
             return Err(MocapError::Malformed { file: file.into(), place: format!("clip \"{name}\""), what });
         }
-        animations.push(animation(fbx, clip, &times, &rest, &place, &mut out));
+        let local =
+            |frame: usize, node: usize| place(node, &fbx.local(clip, node, times.start + frame as f64 / times.fps));
+        animations.push(animation(&times.name, (times.fps, times.frames), &rest, &local, &mut out));
     }
     let mut document = json!({
         "asset": { "version": "2.0", "generator": "surefoot" },
@@ -84,99 +84,4 @@ pub fn write(fbx: &Fbx, file: &str, said: &Said, options: &Options) -> Result<Ve
         document.as_object_mut().map(|object| object.remove("animations"));
     }
     Ok(container(&document, &out.bytes))
-}
-
-/// A clip; `place` takes a local transform of the file to the document's.
-fn animation(
-    fbx: &Fbx,
-    clip: usize,
-    times: &ClipTimes,
-    rest: &[Trs],
-    place: &dyn Fn(usize, &Trs) -> Trs,
-    out: &mut Buffer,
-) -> Value {
-    let seconds: Vec<[f32; 1]> = (0..times.frames.max(1)).map(|frame| [(frame as f64 / times.fps) as f32]).collect();
-    let input = out.push(&seconds, "SCALAR", true);
-    let (mut channels, mut samplers) = (Vec::new(), Vec::new());
-    let mut channel = |node: usize, path: &str, output: usize| {
-        channels.push(json!({ "sampler": samplers.len(), "target": { "node": node, "path": path } }));
-        samplers.push(json!({ "input": input, "output": output, "interpolation": "LINEAR" }));
-    };
-    for (node, rest) in rest.iter().enumerate() {
-        let locals: Vec<Trs> = (0..times.frames)
-            .map(|frame| place(node, &fbx.local(clip, node, times.start + frame as f64 / times.fps)))
-            .collect();
-        let differs = |of: &dyn Fn(&Trs) -> f64| locals.iter().any(|local| of(local) > STILL);
-        if differs(&|local| (local.translation - rest.translation).length()) {
-            let keys: Vec<[f32; 3]> = locals.iter().map(|local| local.translation.as_vec3().to_array()).collect();
-            channel(node, "translation", out.push(&keys, "VEC3", false));
-        }
-        if differs(&|local| 1.0 - local.rotation.dot(rest.rotation).abs()) {
-            let mut before = rest.rotation;
-            let keys: Vec<[f32; 4]> = locals
-                .iter()
-                .map(|local| {
-                    before = if local.rotation.dot(before) < 0.0 { -local.rotation } else { local.rotation };
-                    before.as_quat().to_array()
-                })
-                .collect();
-            channel(node, "rotation", out.push(&keys, "VEC4", false));
-        }
-        if differs(&|local| (local.scale - rest.scale).length()) {
-            let keys: Vec<[f32; 3]> = locals.iter().map(|local| local.scale.as_vec3().to_array()).collect();
-            channel(node, "scale", out.push(&keys, "VEC3", false));
-        }
-    }
-    if channels.is_empty() && !rest.is_empty() {
-        let keys = vec![rest[0].translation.as_vec3().to_array(); seconds.len()];
-        let output = out.push(&keys, "VEC3", false);
-        channels.push(json!({ "sampler": 0, "target": { "node": 0, "path": "translation" } }));
-        samplers.push(json!({ "input": input, "output": output, "interpolation": "LINEAR" }));
-    }
-    json!({ "name": times.name, "channels": channels, "samplers": samplers })
-}
-
-/// The binary chunk as it grows.
-#[derive(Default)]
-struct Buffer {
-    bytes: Vec<u8>,
-    views: Vec<Value>,
-    accessors: Vec<Value>,
-}
-
-impl Buffer {
-    fn push<const N: usize>(&mut self, keys: &[[f32; N]], kind: &str, bounds: bool) -> usize {
-        let start = self.bytes.len();
-        self.bytes.extend(keys.iter().flatten().flat_map(|number| number.to_le_bytes()));
-        let view = json!({ "buffer": 0, "byteOffset": start, "byteLength": self.bytes.len() - start });
-        let mut accessor =
-            json!({ "bufferView": self.views.len(), "componentType": 5126, "count": keys.len(), "type": kind });
-        if bounds {
-            accessor["min"] = json!(keys.first().map(<[f32; N]>::as_slice));
-            accessor["max"] = json!(keys.last().map(<[f32; N]>::as_slice));
-        }
-        self.views.push(view);
-        self.accessors.push(accessor);
-        self.accessors.len() - 1
-    }
-}
-
-/// JSON and bytes as a GLB.
-fn container(document: &Value, bytes: &[u8]) -> Vec<u8> {
-    let mut json = document.to_string().into_bytes();
-    json.resize(json.len().next_multiple_of(4), b' ');
-    let mut binary = bytes.to_vec();
-    binary.resize(binary.len().next_multiple_of(4), 0);
-    let word = |number: usize| u32::try_from(number).unwrap_or(u32::MAX).to_le_bytes();
-    let mut out = Vec::with_capacity(28 + json.len() + binary.len());
-    out.extend(b"glTF");
-    out.extend(word(2));
-    out.extend(word(28 + json.len() + binary.len()));
-    out.extend(word(json.len()));
-    out.extend(b"JSON");
-    out.extend(json);
-    out.extend(word(binary.len()));
-    out.extend(b"BIN\0");
-    out.extend(binary);
-    out
 }

@@ -3,6 +3,7 @@
 pub mod body;
 pub mod capture;
 pub mod clip;
+pub mod file_kind;
 pub mod findings;
 mod leg_scale;
 pub mod load;
@@ -28,6 +29,7 @@ pub mod terrain;
 pub use body::{Body, BodyJoint, Flesh, FootShape, Segment, Side};
 pub use capture::Capture;
 pub use clip::{Channel, Clip, Interpolation, KeyValues, Target};
+pub use file_kind::FileKind;
 pub use load::Load;
 pub use physique::{Physique, Plant, Stance};
 pub use pose::BodyPose;

@@ -151,8 +151,8 @@ pub struct BakeSettings {
     pub only_animation: bool,
     /// With the two nodes that show the contacts.
     pub contact_nodes: bool,
-    /// VRM animations instead of copies of the rig.
-    pub vrma: bool,
+    /// What the clips are written as.
+    pub format: super::FileKind,
     /// Engines whose helper stands beside the clips, each once, in the order of [`ENGINES`].
     pub engines: Vec<&'static str>,
 }
@@ -172,7 +172,7 @@ impl Default for BakeSettings {
             curves: "linear",
             only_animation: false,
             contact_nodes: true,
-            vrma: false,
+            format: super::FileKind::Glb,
             engines: Vec::new(),
         }
     }

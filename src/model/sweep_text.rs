@@ -375,7 +375,9 @@ fn bake_settings(mut table: Reader<'_, '_>) -> BakeSettings {
         curves: table.choice("curves", &CURVES.map(|word| (word, word))).unwrap_or(default.curves),
         only_animation: table.truth("only_animation").unwrap_or(default.only_animation),
         contact_nodes: table.truth("contact_nodes").unwrap_or(default.contact_nodes),
-        vrma: table.choice("format", &[("glb", false), ("vrma", true)]).unwrap_or(default.vrma),
+        format: table
+            .choice("format", &super::FileKind::ALL.map(|kind| (kind.ending(), kind)))
+            .unwrap_or(default.format),
         engines: engines(&mut table),
     };
     if settings.assist.is_some_and(|limits| limits.iter().any(|limit| *limit < 0.0)) {

@@ -305,7 +305,7 @@ impl<'a> Poser<'a> {
 }
 
 /// The orthogonal part of a transform: a rotation, mirrored where the transform mirrors.
-pub(super) fn orientation(linear: &DMat3) -> DMat3 {
+pub fn orientation(linear: &DMat3) -> DMat3 {
     let x = linear.x_axis.normalize_or(DVec3::X);
     let y = (linear.y_axis - x * x.dot(linear.y_axis)).normalize_or(x.any_orthonormal_vector());
     let z = x.cross(y);

@@ -174,7 +174,7 @@ pub fn whole(size: USize64) -> usize {
 /// The JSON and, in a GLB, the BIN chunk.
 fn split<'a>(file: &str, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>), RigError> {
     if bytes.is_empty() {
-        return Err(wrong_kind(file, "is empty", "give a .glb, .gltf or .vrm file"));
+        return Err(wrong_kind(file, "is empty", "give a .glb, .gltf, .vrm or .fbx file"));
     }
     if !bytes.starts_with(b"glTF") {
         let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
@@ -222,16 +222,12 @@ fn refuse_kind(file: &str, bytes: &[u8]) -> RigError {
     let lower = file.to_lowercase();
     let head = String::from_utf8_lossy(&bytes[..bytes.len().min(64)]).into_owned();
     if head.starts_with("Kaydara FBX") || head.contains("FBX") || lower.ends_with(".fbx") {
-        return wrong_kind(
-            file,
-            "is an FBX file, which cannot be a rig",
-            "convert it: in Blender, File > Import > FBX, then File > Export > glTF 2.0 (.glb)",
-        );
+        return wrong_kind(file, "is an FBX file by its content, not what its name says", "let its name end in .fbx");
     }
     if head.trim_start().starts_with("HIERARCHY") || lower.ends_with(".bvh") {
-        return wrong_kind(file, "is a BVH motion, not a rig", "give the .glb, .gltf or .vrm of the character");
+        return wrong_kind(file, "is a BVH motion, not a rig", "give the .glb, .gltf, .vrm or .fbx of the character");
     }
-    wrong_kind(file, "is not a glTF file", "give a .glb, .gltf or .vrm file")
+    wrong_kind(file, "is not a glTF file", "give a .glb, .gltf, .vrm or .fbx file")
 }
 
 fn check_head(file: &str, json: &Value) -> Result<(), RigError> {

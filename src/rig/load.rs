@@ -7,7 +7,7 @@ use super::body::{BodyInput, derive, stated_mass};
 use super::document::{Resolve, read_file};
 use super::nodes::globals;
 use super::{
-    Document, Mapping, MeshPart, Rig, RigError, RigNode, bind, images, mapping, mesh, nodes, overrides, space,
+    Document, Mapping, MeshPart, Rig, RigError, RigNode, bind, fbx, images, mapping, mesh, nodes, overrides, space,
 };
 use crate::model::Role;
 use std::collections::BTreeMap;
@@ -40,14 +40,29 @@ pub fn load_with(path: &Path, bones: &BTreeMap<Role, Option<usize>>) -> Result<R
 /// Loads a rig from memory. `name` stands for the file in messages; `resolve` reads what the document points to;
 /// `overrides` is the text of the override file, if there is one.
 pub fn load_bytes(name: &str, bytes: &[u8], resolve: &Resolve, overrides: Option<&str>) -> Result<Rig, RigError> {
+    if fbx::is_fbx(name, bytes) {
+        let (glb, notes) = fbx::to_glb(name, bytes, resolve)?;
+        return load_document(Document::parse(name, &glb, resolve)?, name, notes, resolve, overrides);
+    }
     let document = Document::parse(name, bytes, resolve)?;
+    load_document(document, name, Vec::new(), resolve, overrides)
+}
+
+/// The same of a document; `warnings` were found on the way to it.
+fn load_document(
+    document: Document,
+    name: &str,
+    mut warnings: Vec<String>,
+    resolve: &Resolve,
+    overrides: Option<&str>,
+) -> Result<Rig, RigError> {
     if document.list("extensionsUsed").iter().any(|used| used == "VRMC_vrm_animation") {
         let remedy = "give the .vrm (or .glb) of the character".into();
         return Err(RigError::WrongKind { file: name.into(), what: "is a VRM animation, not a rig".into(), remedy });
     }
     let mut nodes = nodes::read_nodes(&document).map_err(|fault| fault.in_file(name))?;
     let skins = bind::read_skins(&document, &nodes).map_err(|fault| fault.in_file(name))?;
-    let mut warnings = bind::set_bind_pose(&mut nodes, &skins);
+    warnings.extend(bind::set_bind_pose(&mut nodes, &skins));
     let bind_globals = globals(&nodes, |node| node.bind);
     let (parts, notes) =
         mesh::read_parts(&document, &nodes, &skins, &bind_globals).map_err(|fault| fault.in_file(name))?;

@@ -85,6 +85,7 @@ pub fn find(
         warnings: Vec::new(),
     });
     let mut fewest: Option<Vec<Role>> = None;
+    let mut unhinged: Option<String> = None; // every bone is there by its name, but they do not hang together
     for mut answer in answers {
         speak(&mut answer, &spoken);
         let missing = missing(&answer);
@@ -96,7 +97,9 @@ pub fn find(
         }
         if let Some(broken) = broken_limb(nodes, &answer.bones) {
             if answer.method.starts_with("names") {
-                warnings.push(format!("{} was not believed: {broken}", answer.method));
+                let reason = format!("{} was not believed: {broken}", answer.method);
+                unhinged = unhinged.or_else(|| Some(reason.clone()));
+                warnings.push(reason);
                 continue;
             }
             answer.warnings.push(broken);
@@ -114,7 +117,7 @@ pub fn find(
         answer.warnings.splice(0..0, warnings);
         return Ok(answer);
     }
-    match refusal {
+    match refusal.or(unhinged) {
         Some(reason) => Err(RigError::NotHumanoid { file: name.into(), reason, overrides: beside }),
         None => Err(RigError::MissingBones {
             file: name.into(),

@@ -1,4 +1,4 @@
-//! A glTF or VRM file as a [`Rig`]: its document kept whole, the humanoid found in it, and the body to simulate.
+//! A glTF, VRM or FBX file as a [`Rig`]: its document kept whole, the humanoid found in it, and the body to simulate.
 //!
 //! The way of a file: bytes -> [`document`] (JSON and buffers, checked) -> nodes and bind pose -> roles (VRM extension,
 //! name tables of `rigs/names/`, geometry, override file) -> [`Body`] in scenario space.
@@ -11,6 +11,7 @@ pub mod clips;
 pub mod document;
 pub mod entry;
 pub mod error;
+pub mod fbx;
 mod flanks;
 mod flesh;
 pub mod geometry;

@@ -104,16 +104,21 @@ impl<'a> Sampler<'a> {
         self.order.retain(|node| wanted[*node]);
     }
 
+    /// The transform of the node that the exporter puts over the scene at `time`, to scenario space.
+    pub fn new_root_global(&mut self, time: f64) -> DAffine3 {
+        let base = self.scenario_from_document;
+        if self.root.iter().all(Option::is_none) {
+            return base;
+        }
+        let translation = self.root[0].as_mut().map_or(DVec3::ZERO, |track| track.translation(time));
+        let rotation = self.root[1].as_mut().map_or(DQuat::IDENTITY, |track| track.rotation(time));
+        base * DAffine3::from_rotation_translation(rotation, translation)
+    }
+
     /// Transforms of all nodes at `time`, node to scenario space.
     pub fn node_globals(&mut self, time: f64) -> &[DAffine3] {
         let base = self.scenario_from_document;
-        let new_root = if self.root.iter().any(Option::is_some) {
-            let translation = self.root[0].as_mut().map_or(DVec3::ZERO, |track| track.translation(time));
-            let rotation = self.root[1].as_mut().map_or(DQuat::IDENTITY, |track| track.rotation(time));
-            base * DAffine3::from_rotation_translation(rotation, translation)
-        } else {
-            base
-        };
+        let new_root = self.new_root_global(time);
         for &node in &self.order {
             let [translation, rotation, scale] = &mut self.tracks[node];
             let mut local = self.rig.nodes[node].local;

@@ -12,7 +12,7 @@ use crate::disk::{Failure, clip_files, resolve};
 use crate::export;
 use crate::model::scenario_write::write;
 use crate::model::sweep::BakeSettings;
-use crate::model::{Role, Scenario};
+use crate::model::{FileKind, Role, Scenario};
 use crate::rig::{Rig, overrides};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -151,10 +151,9 @@ fn run(home: &mut Home, errand: Errand) -> Result<Option<Done>, Failure> {
     })
 }
 
-/// A clip's files: the rig with the clip or a VRM animation, its events, and the helpers of engines.
+/// A clip's files: the rig with the clip, a VRM animation or an FBX, its events, and the helpers of engines.
 fn export(path: &Path, shown: &Shown, settings: &BakeSettings) -> Result<Done, Failure> {
-    let vrma = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("vrma"));
-    let form = form(&BakeSettings { vrma, ..settings.clone() });
+    let form = form(&BakeSettings { format: FileKind::of(path), ..settings.clone() });
     let made = export::baked(&shown.rig, &shown.baked, form).map_err(|error| Failure::failed(error.to_string()))?;
     let mut outputs = vec![
         Output { path: path.to_owned(), bytes: made.file },

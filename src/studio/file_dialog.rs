@@ -21,11 +21,11 @@ fn terms(purpose: Purpose) -> (&'static str, &'static str, &'static [&'static st
     const CLIPS: &[&str] = &["bvh", "fbx", "glb", "gltf", "vrm", "vrma"];
     match purpose {
         Purpose::Open => ("Open", "Open", &["toml", "glb", "gltf", "vrm", "bvh", "fbx", "vrma"], false),
-        Purpose::Rig => ("Open a rig", "Open", &["glb", "gltf", "vrm"], false),
+        Purpose::Rig => ("Open a rig", "Open", &["glb", "gltf", "vrm", "fbx"], false),
         Purpose::Base => ("A clip under the reaction", "Use", CLIPS, false),
         Purpose::Clip => ("Open a clip to audit", "Open", CLIPS, false),
         Purpose::Save => ("Save the scenario", "Save", &["toml"], true),
-        Purpose::Export => ("Export the clip", "Export", &["glb", "vrma"], true),
+        Purpose::Export => ("Export the clip", "Export", &["glb", "vrma", "fbx"], true),
         Purpose::Corrected => ("Save the corrected clip", "Save", CLIPS, true),
         Purpose::Sweep => ("Save the sweep", "Save", &["toml"], true),
         Purpose::Folder => ("Bake into a folder", "Bake here", &[], true),

@@ -269,7 +269,7 @@ impl State {
             }
             Purpose::Save => self.save(with_ending(path, &["toml"])),
             Purpose::Export => {
-                let path = with_ending(path, &["glb", "vrma"]);
+                let path = with_ending(path, &["glb", "vrma", "fbx"]);
                 if self.is_fresh() { self.export(path) } else { self.export = Some(path) }
             }
             Purpose::Clip | Purpose::Corrected | Purpose::Sweep | Purpose::Folder => self.chosen.push((purpose, path)),

@@ -9,10 +9,10 @@ use std::path::PathBuf;
 /// `surefoot bake`.
 #[derive(Debug, clap::Args)]
 #[command(group(ArgGroup::new("what").args(["scenario", "demo"]).required(true)))]
-#[command(override_usage = "surefoot bake [OPTIONS] <RIG> <SCENARIO> --output <OUT.glb|OUT.vrma>\n       \
+#[command(override_usage = "surefoot bake [OPTIONS] <RIG> <SCENARIO> --output <OUT.glb|OUT.vrma|OUT.fbx>\n       \
                             surefoot bake [OPTIONS] <RIG> --demo")]
 pub struct BakeArgs {
-    /// The character: a .glb, .gltf or .vrm file, or `builtin` for the built-in rig
+    /// The character: a .glb, .gltf, .vrm or .fbx file, or `builtin` for the built-in rig
     #[arg(value_name = "RIG")]
     pub rig: PathBuf,
     /// What happens to it, in TOML; `surefoot new scenario` prints an example
@@ -21,9 +21,10 @@ pub struct BakeArgs {
     /// Bake a shove of 60 N s from the left instead of a scenario
     #[arg(long)]
     pub demo: bool,
-    /// .glb: a copy of the rig's file with the new clip; .vrma: the motion alone, as a VRM animation
+    /// .glb: a copy of the rig's file with the new clip; .vrma: the motion alone, as a VRM animation;
+    /// .fbx: skeleton and take, for Unity, Unreal and Maya
     /// [default with --demo: exports/demo.glb]
-    #[arg(short, long, value_name = "OUT.glb|OUT.vrma", value_parser = glb_path, required_unless_present = "demo")]
+    #[arg(short, long, value_name = "OUT.glb|OUT.vrma|OUT.fbx", value_parser = glb_path, required_unless_present = "demo")]
     pub output: Option<PathBuf>,
     /// Also draw the clip as a contact sheet
     #[arg(long, value_name = "FILE.png", value_parser = png_path)]

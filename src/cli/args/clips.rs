@@ -94,11 +94,12 @@ pub struct RetargetArgs {
     /// The clip: a .bvh, .fbx, .glb, .gltf, .vrm or .vrma file
     #[arg(value_name = "CLIP")]
     pub clip_file: PathBuf,
-    /// The character: a .glb, .gltf or .vrm file, or `builtin` for the built-in rig
+    /// The character: a .glb, .gltf, .vrm or .fbx file, or `builtin` for the built-in rig
     #[arg(value_name = "RIG")]
     pub rig: PathBuf,
-    /// Where to write the copy of the rig's file with the new clip
-    #[arg(short, long, value_name = "OUT.glb", value_parser = glb_path)]
+    /// Where to write the new clip: .glb: in a copy of the rig's file; .vrma: the motion alone, as a VRM
+    /// animation; .fbx: skeleton and take
+    #[arg(short, long, value_name = "OUT.glb|OUT.vrma|OUT.fbx", value_parser = glb_path)]
     pub output: PathBuf,
     /// Which clip of the file; required if it has several
     #[arg(long, value_name = "NAME")]

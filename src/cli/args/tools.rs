@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// `surefoot inspect`.
 #[derive(Debug, clap::Args)]
 pub struct InspectArgs {
-    /// A .glb, .gltf or .vrm file, or `builtin` for the built-in rig
+    /// A .glb, .gltf, .vrm or .fbx file, or `builtin` for the built-in rig
     #[arg(value_name = "RIG")]
     pub rig: PathBuf,
     /// Print one JSON object
@@ -50,7 +50,7 @@ pub enum New {
 /// `surefoot sheet`.
 #[derive(Debug, clap::Args)]
 pub struct SheetArgs {
-    /// A .glb, .gltf or .vrm file with clips
+    /// A .glb, .gltf, .vrm or .fbx file with clips
     #[arg(value_name = "CLIP")]
     pub file: PathBuf,
     /// The picture to write

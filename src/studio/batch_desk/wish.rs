@@ -7,7 +7,7 @@ use crate::batch::{Plan, plan};
 use crate::disk::writer::Output;
 use crate::model::scenario_write::write;
 use crate::model::sweep::{AxisValues, BakeSettings, Sweep};
-use crate::model::{Scenario, sweep_text};
+use crate::model::{FileKind, Scenario, sweep_text};
 use crate::studio::document::Document;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -185,13 +185,12 @@ fn bake_text(bake: &BakeSettings) -> String {
         }
     };
     line(bake.assist.is_some(), format!("assist = {:?}", bake.assist.unwrap_or_default()));
-    // A VRM animation holds no meshes.
-    line(bake.props && !bake.vrma, "props = true".into());
+    line(bake.props && bake.format.without_props().is_none(), "props = true".into());
     line(bake.looped, "loop = true".into());
     line(bake.curves == "spline", "curves = \"spline\"".into());
     line(bake.only_animation, "only_animation = true".into());
     line(!bake.contact_nodes, "contact_nodes = false".into());
-    line(bake.vrma, "format = \"vrma\"".into());
+    line(bake.format != FileKind::Glb, format!("format = {}", quoted(bake.format.ending())));
     line(!bake.engines.is_empty(), format!("engine = {:?}", bake.engines));
     text
 }

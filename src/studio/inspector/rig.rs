@@ -23,7 +23,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Vec<Command>) {
         ui.label(document.rig.display().to_string());
     });
     ui.horizontal(|ui| {
-        if ui.button("Open rig...").on_hover_text("a humanoid .glb, .gltf or .vrm").clicked() {
+        if ui.button("Open rig...").on_hover_text("a humanoid .glb, .gltf, .vrm or .fbx").clicked() {
             commands.push(Command::RigDialog);
         }
         if document.rig.as_os_str() != "builtin" && ui.button("Built-in").clicked() {
