@@ -24,7 +24,7 @@ const EVEN: f64 = 0.035;
 /// rad/s, how fast a contact may take the turn away.
 const FASTEST: f64 = 4.0;
 /// rad, by which it stays inside of the range.
-const MARGIN: f64 = 0.5 * std::f64::consts::PI / 180.0;
+const MARGIN: f64 = 0.6 * std::f64::consts::PI / 180.0;
 /// Weight of a bound of the ankle, against no turn.
 const HOLD: f64 = 3e4;
 /// The same of a bound of the contact.
