@@ -60,6 +60,8 @@ mod fbx_out;
 mod fbx_text;
 /// The run that the library's documentation shows.
 mod first_run;
+/// The kinds of file at the shell: skeleton and clip alone, no contact nodes, who carries the travel.
+mod forms;
 /// What the `gltf` crate refuses, loses or panics on, and is read here.
 mod gltf_crate;
 /// The controller on slopes, stairs, gaps, rolling ground and a turning platform.

@@ -17,7 +17,7 @@ const SUDDEN: f64 = 3.6 * std::f64::consts::PI / 180.0;
 /// How much larger it is than those two frames before and after.
 const TIMES: f64 = 3.5;
 /// s, before and after a sudden step, in which more care is taken.
-const WIDTH: f64 = 0.15;
+const WIDTH: f64 = 0.13;
 /// The most care.
 const MOST: f64 = 100.0;
 

@@ -2,7 +2,7 @@
 
 use super::args::{Assist, BakeArgs, Drive, Root};
 use super::progress::busy;
-use super::{parts, say, tell};
+use super::{parts, say, tell, travel};
 use crate::bake::{Baked, Fall};
 use crate::disk::resolve;
 use crate::disk::writer::{self, Output};
@@ -60,7 +60,9 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         warn(format!("{}: {warning}", args.rig.display()));
     }
 
-    let root = crate::bake::RootMotion::from(args.root);
+    let (chosen, why) = travel::chosen(&rig, args.root, &engines, args.only_animation);
+    why.into_iter().for_each(&mut warn);
+    let root = crate::bake::RootMotion::from(chosen);
     for engine in engines.iter().filter(|engine| !engine.takes(root.name())) {
         warn(format!("{} takes root motion from {}", engine.title, engine.root));
     }
@@ -68,7 +70,7 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     let base = busy("reading the base clip", || resolve::base(&rig, &scenario, args.scenario.as_deref(), &args.rig))?;
     inputs.extend(base.as_ref().map(|base| base.0.clone()));
     let what = format!("baking \"{}\" onto {}", scenario.title, args.rig.display());
-    let baked = busy(&what, || parts::bake(&rig, &scenario, base.map(|base| base.1), args))?;
+    let baked = busy(&what, || parts::bake(&rig, &scenario, base.map(|base| base.1), root, args))?;
     for warning in &baked.warnings {
         warn(warning.clone());
     }
@@ -81,7 +83,7 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         return Ok(Exit::Refused);
     }
 
-    let root_joint = args.root == Root::Root && engines.iter().any(|engine| engine.root_is_joint);
+    let root_joint = chosen == Root::Root && engines.iter().any(|engine| engine.root_is_joint);
     let form = Form {
         kind: FileKind::of(&output),
         props: args.props,

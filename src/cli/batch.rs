@@ -3,9 +3,9 @@
 //! Exit 0: every variation has its clip (falls are results). 2: the sweep, a scenario or a rig is wrong; nothing ran. 3: some
 //! variation failed, or the work was stopped by the disk or an interrupt; the same command goes on.
 
-use super::args::BatchArgs;
+use super::args::{BatchArgs, Root};
 use super::batch_out::{self, Results};
-use super::{interrupt, say, tell};
+use super::{interrupt, say, tell, travel};
 use crate::batch::run::{Ended, Place, Wanted, engines, run as bake_all};
 use crate::batch::{Plan, Variation, plan};
 use crate::disk::folder::{Folder, RigFile, rig_file};
@@ -157,7 +157,11 @@ fn rigs(plan: &Plan, sweep: &Path) -> Result<(Vec<RigFile>, Rig), Failure> {
     for input in &plan.sweep.rigs {
         let path = if input.file == "builtin" { PathBuf::from("builtin") } else { folder.join(&input.file) };
         let (file, rig) = rig_file(&path)?;
-        for warning in &rig.mapping.warnings {
+        let bake = &plan.sweep.bake;
+        let engines: Vec<_> = engines(bake).collect();
+        let root = if bake.root == "root" { Root::Root } else { Root::Hips };
+        let (_, why) = travel::chosen(&rig, Some(root), &engines, bake.only_animation);
+        for warning in rig.mapping.warnings.iter().chain(&why) {
             tell(&format!("warning: {}: {warning}", path.display()));
         }
         files.push(file);

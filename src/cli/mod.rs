@@ -26,6 +26,7 @@ pub mod progress;
 pub mod retarget;
 pub mod scenario_fault;
 pub mod sheet;
+mod travel;
 pub mod waivers;
 
 use crate::disk::{Exit, Failure};

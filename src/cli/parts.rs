@@ -44,8 +44,13 @@ impl From<args::Curves> for bake::Curves {
 }
 
 /// Runs a scenario on a rig.
-pub fn bake(rig: &Rig, scenario: &Scenario, base: Option<Arc<Base>>, args: &BakeArgs) -> Result<Baked, Failure> {
-    let root = RootMotion::from(args.root);
+pub fn bake(
+    rig: &Rig,
+    scenario: &Scenario,
+    base: Option<Arc<Base>>,
+    root: RootMotion,
+    args: &BakeArgs,
+) -> Result<Baked, Failure> {
     let helped = match args.assist {
         Assist::Auto => Helped::Auto,
         Assist::Off => Helped::Within(Default::default()),

@@ -1,8 +1,8 @@
 //! `surefoot retarget`: a clip of another skeleton onto a rig, as one more clip in a copy of the rig's file, or as a file of its own.
 
-use super::args::{RetargetArgs, Root};
+use super::args::RetargetArgs;
 use super::progress::busy;
-use super::{say, tell};
+use super::{say, tell, travel};
 use crate::bake::RootMotion;
 use crate::bake::retargeted::{RetargetOptions, Retargeted, retargeted};
 use crate::disk::resolve;
@@ -30,11 +30,8 @@ pub fn run(args: &RetargetArgs) -> Result<Exit, Failure> {
     let source =
         file.capture(index, &Options { fps: None, up: args.up.as_deref().and_then(mocap::up_axis), unit: args.unit });
     let source = source.map_err(bad)?;
-    let root = match args.root {
-        Root::Root => RootMotion::Root,
-        Root::Hips => RootMotion::Hips,
-        Root::InPlace => RootMotion::InPlace,
-    };
+    let (root, why) = travel::chosen(&rig, args.root, &[], args.only_animation);
+    let root = RootMotion::from(root);
     let options = RetargetOptions { name: args.name.clone(), fps: args.fps, root, curves: args.curves.into() };
     let what = format!("retargeting \"{}\" onto {}", source.name, args.rig.display());
     let Some(made) = busy(&what, || retargeted(&rig, &source, &options)) else {
@@ -54,7 +51,7 @@ pub fn run(args: &RetargetArgs) -> Result<Exit, Failure> {
     };
     let written = export::exported(&rig, (&made.clip, &made.report), &[], form).map_err(failed)?;
     let name = written.name;
-    for warning in rig.mapping.warnings.iter().chain(&source.notes).chain(&written.changes) {
+    for warning in rig.mapping.warnings.iter().chain(&why).chain(&source.notes).chain(&written.changes) {
         tell(&format!("warning: {warning}"));
     }
     let size = written.file.len();

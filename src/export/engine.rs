@@ -30,6 +30,8 @@ pub struct Engine {
     pub modes: &'static [&'static str],
     /// Its skeletons are made of joints alone (in Blender: its armatures of bones), so that the root must be one.
     pub root_is_joint: bool,
+    /// On a rig without a root bone the travel is better in the hips than on a new node: an avatar binds by its own bones.
+    pub rootless_hips: bool,
     /// Where the tests run the helper; `None`: nowhere.
     pub run_in: Option<&'static str>,
     /// What begins a comment's line.
@@ -51,6 +53,7 @@ pub const ENGINES: [Engine; 6] = [
         root: "no root motion of its own: `root` and `hips` travel in the scene, `in-place` leaves the way to the program",
         modes: &["root", "hips", "in-place"],
         root_is_joint: false,
+        rootless_hips: false,
         run_in: Some("three.js r187 in Chromium"),
         comment: "//",
         template: include_str!("engines/three.js"),
@@ -67,6 +70,7 @@ pub const ENGINES: [Engine; 6] = [
         root: "a bone at the top of the armature: `--root root`, or the hips; it has no root motion of its own",
         modes: &["root", "hips", "in-place"],
         root_is_joint: true,
+        rootless_hips: false,
         run_in: Some("Blender 4.5 and 5.0 as a Python module"),
         comment: "#",
         template: include_str!("engines/blender.py"),
@@ -83,6 +87,7 @@ pub const ENGINES: [Engine; 6] = [
         root: "no root motion of its own: `root` and `hips` travel in the scene, `in-place` leaves the way to the program",
         modes: &["root", "hips", "in-place"],
         root_is_joint: false,
+        rootless_hips: false,
         run_in: Some("Bevy 0.19"),
         comment: "//!",
         template: include_str!("engines/bevy.rs"),
@@ -99,6 +104,7 @@ pub const ENGINES: [Engine; 6] = [
         root: "AnimationPlayer.root_motion_track, which the script sets: bake with `--root root`",
         modes: &["root", "in-place"],
         root_is_joint: true,
+        rootless_hips: false,
         run_in: None,
         comment: "#",
         template: include_str!("engines/godot.gd"),
@@ -115,6 +121,7 @@ pub const ENGINES: [Engine; 6] = [
         root: "the Avatar of an FBX (-o take.fbx), never of a .glb: a Generic rig's root node, Root of `--root root` or the hips; a Humanoid's body centre",
         modes: &["root", "hips", "in-place"],
         root_is_joint: false,
+        rootless_hips: true,
         run_in: None,
         comment: "//",
         template: include_str!("engines/unity.cs"),
@@ -131,6 +138,7 @@ pub const ENGINES: [Engine; 6] = [
         root: "the skeleton's root bone alone, at the origin: bake with `--root root`",
         modes: &["root", "in-place"],
         root_is_joint: true,
+        rootless_hips: false,
         run_in: None,
         comment: "#",
         template: include_str!("engines/unreal.py"),

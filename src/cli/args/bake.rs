@@ -21,8 +21,7 @@ pub struct BakeArgs {
     /// Bake a shove of 60 N s from the left instead of a scenario
     #[arg(long)]
     pub demo: bool,
-    /// .glb: a copy of the rig's file with the new clip; .vrma: the motion alone, as a VRM animation;
-    /// .fbx: skeleton and take, for Unity, Unreal and Maya
+    /// .glb: a copy of the rig's file with the new clip; .vrma: a VRM animation; .fbx: skeleton and take
     /// [default with --demo: exports/demo.glb]
     #[arg(short, long, value_name = "OUT.glb|OUT.vrma|OUT.fbx", value_parser = glb_path, required_unless_present = "demo")]
     pub output: Option<PathBuf>,
@@ -41,9 +40,10 @@ pub struct BakeArgs {
     /// Seed of the random draws [default: the scenario's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(0..=1 << 53))]
     pub seed: Option<u64>,
-    /// Which node carries the movement over the ground (root motion)
-    #[arg(long, value_enum, default_value_t = Root::Root)]
-    pub root: Root,
+    /// Which node carries the movement over the ground (root motion) [default: root; for rigs without a
+    /// root bone what --engine and --only-animation need]
+    #[arg(long, value_enum)]
+    pub root: Option<Root>,
     /// What moves the body; the result says which one `auto` kept, and why
     #[arg(long, value_enum, default_value_t = Drive::Auto)]
     pub drive: Drive,

@@ -110,9 +110,10 @@ pub struct RetargetArgs {
     /// Keys per second [default: the clip's own rate, or the whole fraction of it that is at most 60]
     #[arg(long, value_name = "N", value_parser = fps)]
     pub fps: Option<f64>,
-    /// Which node carries the movement over the ground (root motion)
-    #[arg(long, value_enum, default_value_t = Root::Root)]
-    pub root: Root,
+    /// Which node carries the movement over the ground (root motion) [default: root; hips with
+    /// --only-animation where the rig has no root bone]
+    #[arg(long, value_enum)]
+    pub root: Option<Root>,
     /// How the keys are joined
     #[arg(long, value_enum, default_value_t = Curves::Linear)]
     pub curves: Curves,
