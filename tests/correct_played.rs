@@ -10,7 +10,7 @@ use crate::data;
 use crate::export::baked_path;
 use glam::DAffine3;
 use serde_json::{Value, json};
-use surefoot::bake::{BakeOptions, bake};
+use surefoot::bake::{BakeOptions, Curves, bake};
 use surefoot::correct::{CorrectOptions, correct};
 use surefoot::export::glb;
 use surefoot::maths::seed::Seed;
@@ -39,7 +39,8 @@ fn corrected_curves_are_left_for_other_programs_to_play() {
     }
     for (name, source, rig) in rigs {
         for scenario in [Scenario::demo(), scenario_text::parse("walk.toml", WALK).expect("a scenario")] {
-            let baked = bake(&rig, &scenario, &BakeOptions::default()).expect("bakes");
+            let baked = bake(&rig, &scenario, &BakeOptions { curves: Curves::Spline, ..BakeOptions::default() })
+                .expect("bakes");
             let clip = baked.clip.name.clone();
             let file = read("baked.glb", &glb(&rig, &[(baked.clip, baked.report)]).expect("writes").bytes);
             let index = file.clips.iter().position(|other| *other == clip).expect("it is in it");

@@ -5,10 +5,10 @@
 use crate::common::builtin;
 use crate::export::{json_of, reads_back};
 use crate::lanes::{baked, feet_hold, few, written};
-use crate::limits_grid::{EIGHT, Measured, measured, rigs, shove};
+use crate::limits_grid::{EIGHT, Measured, measured_by, rigs, shove};
 use crate::synthetic;
 use rayon::prelude::*;
-use surefoot::bake::Baked;
+use surefoot::bake::{BakeOptions, Baked};
 use surefoot::export::glb_with_props;
 use surefoot::model::report::Outcome;
 use surefoot::model::scenario::Scenario;
@@ -196,7 +196,7 @@ fn no_foot_flies_off_on_odd_legs_that_step_twice_running() {
     let found = cells.par_iter().map(|(height, leg_scale, direction, impulse)| {
         let options = MannequinOptions { height: *height, leg_scale: *leg_scale, ..MannequinOptions::default() };
         let rig = load_bytes("odd.glb", &mannequin(&options), &none, None).expect("it loads");
-        measured(&rig, *direction, *impulse)
+        measured_by(&rig, *direction, *impulse, &BakeOptions::default())
     });
     for (cell, clip) in cells.iter().zip(found.collect::<Vec<Measured>>()) {
         println!("{cell:?}: {} steps, ankle {:.1} m/s", clip.steps, clip.ankle_speed);

@@ -193,11 +193,6 @@ pub fn shove(body: &Body, direction: f64, impulse: f64) -> Scenario {
 }
 
 /// Bakes one shove and measures it.
-pub fn measured(rig: &Rig, direction: f64, impulse: f64) -> Measured {
-    measured_by(rig, direction, impulse, &BakeOptions::default())
-}
-
-/// The same with other options.
 pub fn measured_by(rig: &Rig, direction: f64, impulse: f64, options: &BakeOptions) -> Measured {
     let scenario = shove(&rig.body, direction, impulse);
     let baked = bake(rig, &scenario, options).expect("the simulation holds");
@@ -313,7 +308,7 @@ pub fn head() -> String {
     for (name, ..) in LIMITS {
         let _ = write!(text, "{name:>12}");
     }
-    text + "  | slip p95  zmp mean worst  out p95    ratio      sideways  steps ankle | keys% worst moving% worst    kB most"
+    text + "  | slip p95  zmp mean worst  out p95    ratio      sideways  steps ankle | keys% worst moving% worst    kB most   kB/s most"
 }
 
 /// One row of the table.
@@ -351,7 +346,10 @@ fn key_columns(clips: &[Measured]) -> String {
     let (share, most) = both(|keys| 100.0 * keys.share);
     let (moving, most_moving) = both(|keys| 100.0 * keys.moving);
     let (added, most_added) = both(|keys| keys.added as f64 / 1e3);
-    format!("{share:>5.1} {most:>5.1} {moving:>7.1} {most_moving:>5.1} {added:>5.1} {most_added:>4.1}")
+    let (rate, most_rate) = both(|keys| keys.rate / 1e3);
+    format!(
+        "{share:>5.1} {most:>5.1} {moving:>7.1} {most_moving:>5.1} {added:>5.1} {most_added:>4.1} {rate:>6.1} {most_rate:>4.1}"
+    )
 }
 
 /// What breaks in clips, most often first.

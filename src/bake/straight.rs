@@ -47,7 +47,7 @@ const KICK: f64 = 0.06;
 /// s: no line is longer, but where nothing moves.
 const LONGEST: f64 = 0.5;
 /// s: frames that are put in come no closer.
-const CLOSEST: f64 = 2.0e-3;
+const CLOSEST: f64 = 1.2e-3;
 /// m: bends that are less than that cannot be seen.
 const BENT: f64 = 0.1e-3;
 /// Frames of a line that are looked at, at most.
