@@ -26,10 +26,12 @@ const SLIDING: f64 = 0.0085;
 const PER_FRAME: f64 = 4.0;
 /// m: the points of a foot in the air.
 const SWUNG: f64 = 0.3e-3;
+/// m: the same for what the hips alone do to it.
+const CARRIED: f64 = 0.17e-3;
 /// m: head and shoulders; hands may be off by these and as much again.
-const TRUNK: f64 = 0.8e-3;
+const TRUNK: f64 = 0.7e-3;
 /// m: hands.
-const HANDS: f64 = 1.4e-3;
+const HANDS: f64 = 1.3e-3;
 /// m: the hips, and whatever else is moved and not turned.
 const PLACE: f64 = 0.25e-3;
 /// m, height of the person that these lengths are of.
@@ -37,11 +39,11 @@ const TALL: f64 = 1.75;
 /// rad: hips (0.02 degrees: 0.3 mm at a foot in the air), legs (0.05), trunk and arms (0.2).
 const TURN: [f64; 3] = [0.02 * PI / 180.0, 0.05 * PI / 180.0, 0.2 * PI / 180.0];
 /// m, at the farthest joint that it carries: what a track may add to that where it is given fewer keys than its group, in legs and above.
-const SPARED: [f64; 2] = [0.03e-3, 0.06e-3];
+const SPARED: [f64; 2] = [0.03e-3, 0.1e-3];
 /// Of its group's keys: with fewer than that a track has times of its own, which take a quarter more bytes a key.
 const WORTH_IT: f64 = 0.75;
 /// s: lines no longer than that look like a curve to what measures accelerations below 7 Hz.
-const SHORT: f64 = 0.04;
+const SHORT: f64 = 0.045;
 /// s: as long as the kick of the corner between two lines lasts there.
 const KICK: f64 = 0.06;
 /// s: no line is longer, but where nothing moves.
@@ -345,13 +347,14 @@ impl Frames<'_> {
         self.clear(parts.hips.iter().chain(parts.legs.iter().flatten()));
         for span in cuts.windows(2) {
             let mut tracks = parts.hips.clone();
-            let mut watches = Vec::new();
+            // The legs have all of their frames until they are laid: what is off at a foot in the air is off by the hips.
+            let mut watches: Vec<Watch> = posed.iter().map(|leg| leg.watch(&[0, 1, 2], CARRIED * near.size)).collect();
             for (contact, start, end) in contacts {
                 if self.frame_at(*start) <= span[0] && span[1] <= self.frame_at(*end) {
                     let side = contact.side as usize;
                     tracks.extend(&parts.legs[side]);
                     watches.push(posed[side].held(contact.part, near));
-                    watches.push(posed[side].watch(&[0, 1, 2], SWUNG * near.size));
+                    watches[side].most = SWUNG * near.size;
                 }
             }
             let group = Group::new(&self.tracks, tracks.into_iter(), watches);
