@@ -201,6 +201,37 @@ impl<'a> Frames<'a> {
 
     /// Puts a frame at `time` before frame `at`.
     pub(super) fn insert(&mut self, at: usize, time: f32) {
+        let made = self.frames_at(time);
+        self.times.insert(at, time);
+        self.tracks.iter_mut().zip(made).for_each(|(track, frame)| track.frames.insert(at, frame));
+    }
+
+    /// Puts frames in at these times, rising.
+    pub(super) fn insert_all(&mut self, times: &[f32]) {
+        let made: Vec<Vec<Frame>> = times.iter().map(|time| self.frames_at(*time)).collect();
+        let old = std::mem::take(&mut self.times);
+        let merged = |track: usize, own: &[Frame]| -> Vec<Frame> {
+            let mut frames = Vec::with_capacity(old.len() + times.len());
+            let mut next = 0;
+            for (time, frame) in old.iter().zip(own) {
+                while next < times.len() && times[next] < *time {
+                    frames.push(made[next][track]);
+                    next += 1;
+                }
+                frames.push(*frame);
+            }
+            frames.extend(made[next..].iter().map(|made| made[track]));
+            frames
+        };
+        for (index, track) in self.tracks.iter_mut().enumerate() {
+            track.frames = merged(index, &track.frames);
+        }
+        self.times = old.iter().chain(times).copied().collect();
+        self.times.sort_by(f32::total_cmp);
+    }
+
+    /// The frame of every track at a time.
+    fn frames_at(&mut self, time: f32) -> Vec<Frame> {
         // A file's 32 bits may put the edge of a contact into the air.
         let edges = self.input.contacts.iter().flat_map(|contact| [contact.start, contact.end]);
         let edge = edges.into_iter().find(|edge| *edge as f32 == time);
@@ -212,25 +243,25 @@ impl<'a> Frames<'a> {
             let inside = curved && (0.0..=self.input.duration).contains(&(exact + 3.0 * step));
             inside.then(|| [1.0, 2.0, 3.0].map(|steps| self.values_at(exact + steps * step)))
         });
-        self.times.insert(at, time);
-        for index in 0..self.tracks.len() {
+        let frame = |(index, track): (usize, &Track)| {
             let here = now[index];
             let slope = |samples: &Option<[Vec<DVec4>; 3]>, way: f64| {
-                let rotates = self.tracks[index].rotates;
-                let near = |there: DVec4| if rotates && there.dot(here) < 0.0 { -there } else { there };
+                let near = |there: DVec4| if track.rotates && there.dot(here) < 0.0 { -there } else { there };
                 let [a, b, c] = samples.as_ref()?.each_ref().map(|sample| near(sample[index]));
                 let slope = (b * 8.0 - a * 5.0 - c * 3.0) * (way / (2.0 * SLOPE));
-                Some(slope.clamp_length_max(STEEP / self.tracks[index].unit))
+                Some(slope.clamp_length_max(STEEP / track.unit))
             };
             let (before, after) = (slope(&before, -1.0), slope(&after, 1.0));
             let (before, after) = (before.or(after).unwrap_or_default(), after.or(before).unwrap_or_default());
-            let unit = self.tracks[index].unit;
             // Elsewhere a jump is the noise of a capture.
-            let corner = edge.is_some() && before.distance(after) * unit > EDGE_CORNER;
+            let corner = edge.is_some() && before.distance(after) * track.unit > EDGE_CORNER;
             let slopes = if corner { [before, after] } else { [(before + after) * 0.5; 2] };
-            let value = if self.tracks[index].rotates { stored(here.normalize()) } else { stored(here) };
-            self.tracks[index].frames.insert(at, Frame { value, slopes: slopes.map(stored) });
-        }
+            Frame {
+                value: if track.rotates { stored(here.normalize()) } else { stored(here) },
+                slopes: slopes.map(stored),
+            }
+        };
+        self.tracks.iter().enumerate().map(frame).collect()
     }
 
     /// What every track has at a time.

@@ -28,9 +28,9 @@ const PER_FRAME: f64 = 4.0;
 const SWUNG: f64 = 0.3e-3;
 /// m: the same for what the hips alone do to it.
 const CARRIED: f64 = 0.17e-3;
-/// m: head and shoulders; hands may be off by these and as much again.
+/// m: head and shoulders.
 const TRUNK: f64 = 0.7e-3;
-/// m: hands.
+/// m: hands, of which the trunk's part may be half.
 const HANDS: f64 = 1.3e-3;
 /// m: the hips, and whatever else is moved and not turned.
 const PLACE: f64 = 0.25e-3;
@@ -50,6 +50,8 @@ const KICK: f64 = 0.06;
 const LONGEST: f64 = 0.5;
 /// s: frames that are put in come no closer.
 const CLOSEST: f64 = 1.2e-3;
+/// Times that frames are put in, at most: what bends unevenly needs another.
+const ROUNDS: usize = 3;
 /// m: bends that are less than that cannot be seen.
 const BENT: f64 = 0.1e-3;
 /// Frames of a line that are looked at, at most.
@@ -194,7 +196,8 @@ impl Frames<'_> {
         let parts = Parts::new(self, legs, &trunk, &arms);
         for pace in PACES {
             let near = Near { size, pace };
-            self.refine(contacts, legs, [&trunk, &arms[0], &arms[1]], near);
+            let mut rounds = 0..ROUNDS;
+            while rounds.next().is_some() && self.refine(contacts, legs, [&trunk, &arms[0], &arms[1]], near) {}
             self.lay_legs(contacts, legs, &parts, near);
             if self.sliding(contacts, legs) <= SLIDING {
                 break;
@@ -220,38 +223,45 @@ impl Frames<'_> {
         }
     }
 
-    /// Puts frames in where even lines from frame to frame would be off.
-    fn refine(&mut self, contacts: &[Held], legs: &[Chain; 2], upper: [&Chain; 3], near: Near) {
-        let size = near.size;
-        let mut at = 0;
-        while at + 1 < self.times.len() {
+    /// Puts frames in where even lines from frame to frame would be off; whether there were any.
+    fn refine(&mut self, contacts: &[Held], legs: &[Chain; 2], upper: [&Chain; 3], near: Near) -> bool {
+        let mut new = Vec::new();
+        for at in 0..self.times.len() - 1 {
             let [from, to] = [self.times[at], self.times[at + 1]];
-            if f64::from(to - from) < 2.0 * CLOSEST || self.bends(at) < BENT * size {
-                at += 1;
+            let most = (f64::from(to - from) / CLOSEST).floor();
+            if most < 2.0 || self.bends(at) < BENT * near.size {
                 continue;
             }
-            let middle = from + (to - from) / 2.0;
-            let exact: Vec<Value> = self.values_at(f64::from(middle)).into_iter().map(stored).collect();
-            let off = |chain: &Chain, sets: &[usize]| {
-                let line = chain.places(sets, &|track| self.tracks[track].line(at, at + 1, 0.5));
-                let exact = chain.places(sets, &|track| exact[track]);
-                line.iter().zip(&exact).map(|(line, exact)| line.distance(*exact)).fold(0.0, f64::max)
-            };
-            let leg = |side: Side| {
-                let holds = |held: &&Held| held.0.side == side && held.1 <= from && to <= held.2;
-                let planted =
-                    contacts.iter().filter(holds).map(|held| off(&legs[side as usize], &[held.0.part as usize]));
-                planted.fold(0.0, f64::max) / PLANTED.min(near.pace * f64::from(to - from) / 4.0)
-            };
-            let swung = legs.iter().map(|leg| off(leg, &[0, 1, 2])).fold(0.0, f64::max) / SWUNG;
-            let [trunk, left, right] = upper.map(|chain| off(chain, &[0]));
-            let worst = [leg(Side::Left), leg(Side::Right), swung, trunk / TRUNK, left / HANDS, right / HANDS];
-            if worst.into_iter().fold(0.0, f64::max) > size {
-                self.insert(at + 1, middle);
-            } else {
-                at += 1;
-            }
+            let off = self.off_between(at, contacts, legs, upper, near);
+            let pieces = off.ceil().min(most) as usize;
+            new.extend((1..pieces).map(|piece| from + (to - from) * (piece as f32 / pieces as f32)));
         }
+        self.insert_all(&new);
+        !new.is_empty()
+    }
+
+    /// Into how many pieces the lines from a frame to the next would have to be cut to be close enough.
+    fn off_between(&mut self, at: usize, contacts: &[Held], legs: &[Chain; 2], upper: [&Chain; 3], near: Near) -> f64 {
+        let [from, to] = [self.times[at], self.times[at + 1]];
+        let exact = self.values_at(f64::from(from) + f64::from(to - from) / 2.0);
+        let exact: Vec<Value> = exact.into_iter().map(stored).collect();
+        let off = |chain: &Chain, sets: &[usize]| {
+            let line = chain.places(sets, &|track| self.tracks[track].line(at, at + 1, 0.5));
+            let exact = chain.places(sets, &|track| exact[track]);
+            line.iter().zip(&exact).map(|(line, exact)| line.distance(*exact)).fold(0.0, f64::max) / near.size
+        };
+        let planted = contacts
+            .iter()
+            .filter(|held| held.1 <= from && to <= held.2)
+            .map(|held| off(&legs[held.0.side as usize], &[held.0.part as usize]))
+            .fold(0.0, f64::max);
+        let swung = legs.iter().map(|leg| off(leg, &[0, 1, 2])).fold(0.0, f64::max);
+        let [trunk, left, right] = upper.map(|chain| off(chain, &[0]));
+        let farthest = [planted / PLANTED, swung / SWUNG, trunk / TRUNK, left / HANDS, right / HANDS]
+            .into_iter()
+            .fold(0.0, f64::max);
+        // Half as long a line is off by a quarter, and its ends move half as fast.
+        farthest.sqrt().max(4.0 * planted / (near.pace * f64::from(to - from)))
     }
 
     /// m, about: how far off lines between a frame and the next may be, by what bends from the one before to the one after.
