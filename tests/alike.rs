@@ -10,6 +10,7 @@ use crate::common::builtin;
 use crate::data;
 use crate::export::json_of;
 use crate::limits_grid::{rigs, shove};
+use crate::shell::Shell;
 use glam::DVec3;
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -106,6 +107,20 @@ fn every_kind_of_clip_of_third_party_rigs_plays_alike_everywhere() {
         let Some(path) = data::file(&format!("rigs/{name}")) else { return };
         every_kind(name, &load(&path).expect("a rig"));
     }
+}
+
+#[test]
+fn a_retargeted_and_a_corrected_clip_play_alike_everywhere() {
+    let shell = Shell::new();
+    let walk = concat!(env!("CARGO_MANIFEST_DIR"), "/exports/gallery/audit/walk.bvh");
+    for words in [&format!("retarget {walk} builtin -o walk.glb"), "correct walk.glb -o corrected.glb"] {
+        let told = shell.run(words);
+        assert_eq!(told.code, 0, "{words}: {}{}", told.out, told.err);
+    }
+    let [walk, corrected] = ["walk.glb", "corrected.glb"].map(|name| std::fs::read(shell.path(name)).expect("written"));
+    assert_ne!(walk, corrected, "something was corrected");
+    plays_alike("retargeted", &walk);
+    plays_alike("corrected", &corrected);
 }
 
 #[test]

@@ -23,8 +23,15 @@ fn played(rig: &Rig, clip: usize) -> Vec<Vec<DVec3>> {
     (0..=40).map(|tick| sampler.sample(clip.duration * f64::from(tick) / 40.0).positions).collect()
 }
 
+/// Leaves a file for tests/tools/onto_check.mjs, which plays the animation on the character in other programs.
+fn left_for_players(name: &str, kind: &str, bytes: &[u8]) {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("target/alone");
+    std::fs::create_dir_all(&folder).expect("target can be written");
+    std::fs::write(folder.join(format!("{name}.{kind}.glb")), bytes).expect("target can be written");
+}
+
 /// Asks a bake for the whole file and for the animation alone, and compares them.
-fn alone(shell: &Shell, rig: &str) {
+fn alone(shell: &Shell, name: &str, rig: &str) {
     let ok = |words: &str| {
         let told = shell.run(words);
         assert_eq!(told.code, 0, "{words}: {}{}", told.out, told.err);
@@ -34,6 +41,9 @@ fn alone(shell: &Shell, rig: &str) {
     ok(&format!("bake {rig} --demo --root root --only-animation -o alone.glb"));
     let (whole, alone) = (std::fs::read(shell.path("whole.glb")), std::fs::read(shell.path("alone.glb")));
     let (whole, alone) = (whole.expect("written"), alone.expect("written"));
+    for (kind, bytes) in [("whole", &whole), ("alone", &alone)] {
+        left_for_players(name, kind, bytes);
+    }
     let ((json, _), (alone_json, _)) = (json_of(&whole), json_of(&alone));
     for gone in ["meshes", "materials", "textures", "images", "cameras", "samplers", "extensions", "extensionsRequired"]
     {
@@ -62,14 +72,16 @@ fn alone(shell: &Shell, rig: &str) {
 
 #[test]
 fn an_animation_alone_has_the_skeleton_the_clip_and_its_report_and_nothing_that_is_drawn() {
-    alone(&Shell::new(), "builtin");
+    left_for_players("builtin", "rig", surefoot::rig::mannequin::BUILTIN);
+    alone(&Shell::new(), "builtin", "builtin");
 }
 
 #[test]
 fn an_animation_alone_of_third_party_rigs_too() {
     for name in ["m2m_human_base_animations.glb", "kaykit_Knight.glb", "godette_vrm0.vrm"] {
         let Some(path) = data::file(&format!("rigs/{name}")) else { return };
-        alone(&Shell::new(), &path.display().to_string());
+        left_for_players(name, "rig", &std::fs::read(&path).expect("it is there"));
+        alone(&Shell::new(), name, &path.display().to_string());
     }
 }
 
