@@ -108,7 +108,7 @@ pub struct Keys {
     pub moving: f64,
     /// Channels, and those that change anything.
     pub channels: [usize; 2],
-    /// Bytes that the clip adds to its rig's file.
+    /// Bytes that the clip adds to its rig's file, were it the only one there.
     pub added: usize,
     /// Bytes of its keys a second.
     pub rate: f64,
@@ -197,7 +197,12 @@ pub fn measured_by(rig: &Rig, direction: f64, impulse: f64, options: &BakeOption
     let scenario = shove(&rig.body, direction, impulse);
     let baked = bake(rig, &scenario, options).expect("the simulation holds");
     let mut measured = of(&baked, direction, impulse);
-    let size = |clips: &[(Clip, ClipReport)]| glb(rig, clips).expect("can be written").bytes.len();
+    // What the file's other clips move is held in ours too: those channels are the other clips' doing.
+    let mut alone = rig.clone();
+    if let Some(root) = alone.document.json.as_object_mut() {
+        root.shift_remove("animations");
+    }
+    let size = |clips: &[(Clip, ClipReport)]| glb(&alone, clips).expect("can be written").bytes.len();
     measured.keys.added = size(&[(baked.clip, baked.report)]) - size(&[]);
     measured
 }

@@ -139,6 +139,16 @@ impl Track {
         self.lined(four(&self.frames[from].value), four(&self.frames[to].value), share)
     }
 
+    /// How far a frame is from the line between two others, about: rotations part by part, which is quicker than an arc.
+    pub(super) fn bent(&self, before: usize, frame: usize, after: usize, share: f64) -> f64 {
+        let here = four(&self.frames[frame].value);
+        let near = |at: usize| {
+            let there = four(&self.frames[at].value);
+            if self.rotates && there.dot(here) < 0.0 { -there } else { there }
+        };
+        near(before).lerp(near(after), share).distance(here)
+    }
+
     /// Leaves out keys of straight lines that change what is shown by at most `most`, if the share of those that stay is at most `worth`.
     pub(super) fn spare(&mut self, times: &[f64], most: f64, worth: f64) {
         let kept: Vec<usize> = (0..times.len()).filter(|frame| self.keep[*frame]).collect();
