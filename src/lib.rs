@@ -5,7 +5,7 @@
 //! | row | folders | knows |
 //! |---|---|---|
 //! | 0 | [`maths`] | glam only: pendulum formulae, springs, curves, filters, hulls, two-bone IK |
-//! | 1 | [`model`] | plain data: humanoid roles, body, pose, clip, contacts, scenario, report |
+//! | 1 | [`model`], [`dynamics`] | plain data: humanoid roles, body, pose, clip, contacts, scenario, report; how a tree of rigid links moves |
 //! | 2 | [`rig`], [`measure`] | glTF and VRM files to [`rig::Rig`]; measures of a motion: slip, ZMP, residual, pops |
 //! | 3 | [`mocap`], [`stepper`], [`whole_body`], [`ragdoll`] | clip files (BVH, FBX, glTF, VRMA) and retargeting; the low-dimensional controller; the pose for a centre of mass and two feet; the articulated body: links, world, torques |
 //! | 4 | [`sim`], [`audit`] | the fixed-step session that runs the stepper or the articulated body under a scenario and records a trace; captures to findings |
@@ -45,6 +45,7 @@ pub mod batch;
 pub mod cli;
 pub mod correct;
 pub mod disk;
+pub mod dynamics;
 pub mod export;
 pub mod maths;
 pub mod measure;

@@ -1,0 +1,157 @@
+//! The ends of the joints' ranges as rows: a hinge's angle; a ball joint's swing inside an ellipse of four quadrants, and its twist
+//! (Grassia 1998: a rotation is a twist about the bone and then a swing of it).
+
+use super::rows::Kind;
+use super::state::Articulation;
+use super::tree::DEEPEST;
+use glam::{DQuat, DVec2, DVec3};
+
+/// rad before its end from which on a range is looked after.
+const NEAR: f64 = 0.3;
+/// Share of what it is past its end that a step takes back, and rad/s at most.
+const BACK: f64 = 0.15;
+const BACK_AT_MOST: f64 = 3.0;
+/// Names of limits, apart from those of contacts.
+const KEYS: u32 = 1 << 30;
+
+/// How far a joint goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Range {
+    /// Everywhere.
+    #[default]
+    Free,
+    /// rad, least and most angle of a hinge.
+    Hinge([f64; 2]),
+    /// Of a ball joint.
+    Ball(Swing),
+}
+
+/// The range of a ball joint from its rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Swing {
+    /// The bone at rest, a unit vector in the parent's frame.
+    pub along: DVec3,
+    /// Two axes that it swings about, unit vectors in the parent's frame, square to it and to each other.
+    pub about: [DVec3; 2],
+    /// rad, least (at most 0) and most (at least 0) about each of the two.
+    pub swing: [[f64; 2]; 2],
+    /// rad, least and most about the bone.
+    pub twist: [f64; 2],
+}
+
+/// One end of a range: how far it still is (rad; under 0 past it), and about which axis (parent's frame) a turn leads away from it.
+type End = (f64, DVec3);
+
+impl Swing {
+    /// The ends of swing and twist.
+    fn ends(&self, relative: DQuat) -> [Option<End>; 3] {
+        let relative = if relative.w < 0.0 { -relative } else { relative };
+        let bone = relative * self.along;
+        let cosine = self.along.dot(bone).clamp(-1.0, 1.0);
+        let axis = self.along.cross(bone);
+        let mut swing = None;
+        if axis.length() > 1e-6 {
+            let turned = axis.normalize() * cosine.acos();
+            let at = DVec2::new(turned.dot(self.about[0]), turned.dot(self.about[1]));
+            let most = |way: usize, value: f64| if value < 0.0 { -self.swing[way][0] } else { self.swing[way][1] };
+            let reach = DVec2::new(most(0, at.x).max(1e-3), most(1, at.y).max(1e-3));
+            let out = (at / reach).length();
+            let slope = at / (reach * reach) / out.max(1e-9);
+            let steep = slope.length();
+            if steep > 1e-9 {
+                let away = self.about[0] * slope.x + self.about[1] * slope.y;
+                swing = Some(((1.0 - out) / steep, -away / steep));
+            }
+        }
+        let mut twists = [None; 2];
+        if cosine > -0.99 {
+            let twist = 2.0 * DVec3::new(relative.x, relative.y, relative.z).dot(self.along).atan2(relative.w);
+            let about = (self.along + bone) / (1.0 + cosine);
+            twists = [Some((twist - self.twist[0], about)), Some((self.twist[1] - twist, -about))];
+        }
+        [swing, twists[0], twists[1]]
+    }
+}
+
+impl Articulation {
+    /// Adds a row for each end that a joint is near to; `free`: the speeds if nothing held it back, over `dt` s.
+    pub(super) fn add_limits(&mut self, free: &super::factor::Vector, dt: f64) {
+        for index in 1..self.tree.links.len() {
+            let parent = self.tree.links[index].parent.unwrap_or(0);
+            let ends = match self.tree.links[index].range {
+                Range::Free => continue,
+                Range::Hinge([low, high]) => {
+                    let angle = self.angle[index];
+                    [None, Some((angle - low, DVec3::X)), Some((high - angle, DVec3::NEG_X))]
+                }
+                Range::Ball(swing) => swing.ends(self.relative[index]),
+            };
+            let hinged = matches!(self.tree.links[index].range, Range::Hinge(_));
+            for (which, end) in ends.into_iter().enumerate() {
+                let Some((left, away)) = end.filter(|(left, _)| *left < NEAR) else { continue };
+                let (first, last) = (self.tree.first[index], self.tree.last[index]);
+                let mut j = [0.0; DEEPEST];
+                let mut goes = 0.0;
+                // A ball joint's freedoms turn about the parent's axes; a hinge's about its own.
+                for (way, freedom) in (first..=last).enumerate() {
+                    let value = if hinged { away.x } else { away[way] };
+                    j[self.tree.depth[freedom]] = value;
+                    goes += value * free[freedom];
+                }
+                debug_assert!(parent < index);
+                let target = if left > 0.0 { -left / dt } else { (-left * BACK / dt).min(BACK_AT_MOST) };
+                let key = KEYS + 4 * index as u32 + which as u32;
+                let tools = (&self.tree, &self.factors);
+                self.rows.add(tools, Kind::Stop, key, Some((last, j)), None, target - goes, 0.0);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn hip() -> Swing {
+        Swing {
+            along: DVec3::NEG_Y,
+            about: [DVec3::X, DVec3::Z],
+            swing: [[-2.0, 0.5], [-0.5, 0.7]],
+            twist: [-0.6, 0.6],
+        }
+    }
+
+    #[test]
+    fn each_end_of_a_swing_is_as_far_as_it_says() {
+        for (axis, end) in [(DVec3::X, 0.5), (DVec3::NEG_X, 2.0), (DVec3::Z, 0.7), (DVec3::NEG_Z, 0.5)] {
+            for share in [0.5, 0.9, 1.1] {
+                let [swing, ..] = hip().ends(DQuat::from_axis_angle(axis, end * share));
+                let (left, away) = swing.expect("it swings");
+                assert!((left - end * (1.0 - share)).abs() < 1e-9, "{axis} {share}: {left}");
+                assert!(away.distance(-axis) < 1e-9, "{axis}: back by {away}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_twist_is_seen_apart_from_the_swing_before_and_behind() {
+        for (swung, twisted) in [(0.0, 0.4), (-1.2, 0.4), (-1.2, -0.5)] {
+            let turn = DQuat::from_rotation_x(swung) * DQuat::from_axis_angle(DVec3::NEG_Y, twisted);
+            let [_, low, high] = hip().ends(turn);
+            assert!((low.expect("low").0 - (twisted + 0.6)).abs() < 1e-9);
+            assert!((high.expect("high").0 - (0.6 - twisted)).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_small_turn_about_the_axis_that_leads_away_leads_away_by_as_much() {
+        let turn =
+            DQuat::from_rotation_x(-1.4) * DQuat::from_rotation_z(0.3) * DQuat::from_axis_angle(DVec3::NEG_Y, 0.5);
+        for which in 1..3 {
+            let (left, away) = hip().ends(turn)[which].expect("an end");
+            let step = 1e-5;
+            let (then, _) = hip().ends(DQuat::from_scaled_axis(away.normalize() * step) * turn)[which].expect("an end");
+            assert!(((then - left) / step - away.length()).abs() < 1e-3, "{which}");
+        }
+    }
+}
