@@ -78,7 +78,7 @@ fn hip_and_ankle_make_up_for_a_knee_that_is_bent_apart() {
     let target = stand::stand_target(&body, &plants, DVec3::Y * physique.com_height, 0.0);
     let pose = Solver::new(&body, &anatomy).solve(&target).pose;
     let figure = Figure::new(&body, &pose, Locks::default());
-    let world = World::new(&figure, &figure.placed(&body, &pose), &Terrain::flat(), 0.01, 4);
+    let world = World::new(&figure, &figure.placed(&body, &pose), &Terrain::flat(), 0.01, 2).expect("a tree");
     let (mut states, mut motion) = (Vec::new(), Motion::default());
     world.read(&mut states);
     motion.read(&figure, &states);

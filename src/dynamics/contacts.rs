@@ -24,8 +24,8 @@ const KEYS: u32 = 1 << 29;
 /// A place where something may touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
-    /// The link; `None` where a loose body meets the ground.
-    pub link: Option<usize>,
+    /// The link.
+    pub link: usize,
     /// Names it from step to step, under 2^27.
     pub key: u32,
     /// m.
@@ -94,12 +94,9 @@ impl Articulation {
             let far = touch.other.map(|body| (body, &loose[body]));
             let apart =
                 |way: DVec3| -touch.surface.dot(way) - far.map_or(0.0, |(_, body)| body.motion_at(touch.at).dot(way));
-            let near = |way: DVec3| match touch.link {
-                Some(link) => {
-                    let (j, goes) = self.on_chain(link, way, Some(touch.at), free);
-                    (Some((self.tree.last[link], j)), goes + apart(way))
-                }
-                None => (None, apart(way)),
+            let near = |way: DVec3| {
+                let (j, goes) = self.on_chain(touch.link, way, Some(touch.at), free);
+                ((self.tree.last[touch.link], j), goes + apart(way))
             };
             let (normal, closing) = near(touch.normal);
             if touch.gap > 0.0 && touch.gap + closing * dt > MISSED {
@@ -141,11 +138,11 @@ impl Articulation {
                 let goes = goes - body.motion_at(far).dot(axis);
                 let back = (far - near).dot(axis) * CLOSES / dt;
                 let reach = body.reach(axis, far).map(|value| -value);
-                self.rows.add(tools, Kind::Weld, key, Some((last, j)), Some((weld.body, reach)), back - goes, 0.0);
+                self.rows.add(tools, Kind::Weld, key, (last, j), Some((weld.body, reach)), back - goes, 0.0);
                 let turns = turns - body.spin.dot(axis);
                 let back = -wrong.dot(axis) * CLOSES / dt;
                 let twist = body.twist(axis).map(|value| -value);
-                self.rows.add(tools, Kind::Weld, key + 4, Some((last, k)), Some((weld.body, twist)), back - turns, 0.0);
+                self.rows.add(tools, Kind::Weld, key + 4, (last, k), Some((weld.body, twist)), back - turns, 0.0);
             }
         }
     }

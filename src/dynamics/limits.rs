@@ -102,7 +102,7 @@ impl Articulation {
                 let target = if left > 0.0 { -left / dt } else { (-left * BACK / dt).min(BACK_AT_MOST) };
                 let key = KEYS + 4 * index as u32 + which as u32;
                 let tools = (&self.tree, &self.factors);
-                self.rows.add(tools, Kind::Stop, key, Some((last, j)), None, target - goes, 0.0);
+                self.rows.add(tools, Kind::Stop, key, (last, j), None, target - goes, 0.0);
             }
         }
     }

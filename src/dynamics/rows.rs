@@ -64,23 +64,20 @@ impl Rows {
         self.rows.clear();
     }
 
-    /// One row more. `j`: the direction on the chain of freedom `last` (`None`: the tree takes no part); `now`: how fast it goes along it.
+    /// One row more. The direction stands on the chain of freedom `last`; `wanted` is how much faster it is to go along it.
     #[expect(clippy::too_many_arguments, reason = "one row, all of it")]
     pub(super) fn add(
         &mut self,
         (tree, factors): (&Tree, &Factors),
         kind: Kind,
         key: u32,
-        chain: Option<(usize, [f64; DEEPEST])>,
+        (last, mut near): (usize, [f64; DEEPEST]),
         far: Option<(usize, [f64; 6])>,
         wanted: f64,
         friction: f64,
     ) {
-        let (last, mut near) = chain.unwrap_or((0, [0.0; DEEPEST]));
-        let length = if chain.is_some() { tree.depth[last] + 1 } else { 0 };
-        if chain.is_some() {
-            factors.halve(tree, last, &mut near);
-        }
+        let length = tree.depth[last] + 1;
+        factors.halve(tree, last, &mut near);
         let answer: f64 = near[..length].iter().map(|value| value * value).sum();
         let answer = answer + far.map_or(0.0, |(_, far)| far.iter().map(|value| value * value).sum());
         let kept = self.kept.binary_search_by_key(&key, |(key, _)| *key);

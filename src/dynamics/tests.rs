@@ -172,7 +172,7 @@ fn corners(half: DVec3, normal: DVec3, friction: f64) -> impl FnMut(&Articulatio
             if gap < 0.05 {
                 let surface = DVec3::ZERO;
                 touches.push(Touch {
-                    link: Some(0),
+                    link: 0,
                     key: corner,
                     at,
                     normal,
@@ -250,7 +250,7 @@ fn what_a_ball_gives_it_loses() {
             let at = body.place(1).0 + DVec3::Z * 0.05;
             let apart = loose[0].place - at;
             let touch = Touch {
-                link: Some(1),
+                link: 1,
                 key: 1,
                 at,
                 normal: DVec3::NEG_Z,

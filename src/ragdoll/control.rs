@@ -5,13 +5,13 @@
 //! world as springs whose rests meet them at the end of the tick, so that what is not foreseen is resisted.
 
 use super::dynamics::{Acceleration, LegMap, Motion, Wrench};
-use super::figure::{Figure, Freedom, Part};
+use super::figure::{Figure, Freedom, Link, Part};
 use super::forces::{Forces, Wanted};
 use super::linear::{Factored, Matrix6};
 use super::swing::Reference;
 use super::tuning::Tuning;
 use super::walk::{Gait, Order};
-use super::world::{JointDrive, LinkState, World};
+use super::world::{LinkState, World};
 use super::{flat, short};
 use crate::maths::hull::{closest_point, signed_distance};
 use crate::maths::pendulum::GRAVITY;
@@ -19,8 +19,7 @@ use crate::maths::quat::{wrap_angle, yaw_of};
 use crate::model::{Side, Terrain};
 use glam::{DQuat, DVec2, DVec3};
 
-/// N m, the most that a joint gives.
-pub const MOST_TORQUE: f64 = 500.0;
+pub use super::world::MOST_TORQUE;
 
 /// What the pelvis may be given that no contact supplies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -84,7 +83,7 @@ pub struct Controller {
     pub swing: Option<Swing>,
     /// What is known.
     pub report: Report,
-    /// N m by link: the torque that each joint was given.
+    /// N m by link: what each joint gave in the last tick, springs and dampers included.
     pub torques: Vec<f64>,
     pub(super) size: f64,
     pub(super) stand_height: f64,
@@ -198,6 +197,7 @@ impl Controller {
         let pressed = world.feet_pressed(figure);
         let loads = Side::BOTH.map(|side| world.pressed(figure.legs[side as usize][2]));
         self.observe(dt);
+        self.strain(world);
         self.slants = Side::BOTH.map(|side| slant(figure, terrain, flat(self.foot(figure, side).0)));
         let floor = self.floor(figure, terrain);
         let height = (self.motion.com.y - floor).max(0.3 * self.stand_height);
@@ -433,43 +433,54 @@ impl Controller {
 
     /// Torques to the world: a spring and a damper whose rests give what is needed if all goes as planned.
     fn give(&mut self, figure: &Figure, world: &mut World, dt: f64) {
-        self.report.peak_torque = 0.0;
+        // The world takes the tick in parts, springs and dampers at their ends: what counts is the mean over these, of the times and of the
+        // ways that an even acceleration makes by then.
+        let parts = world.parts as f64;
+        let late = dt * (parts + 1.0) / (2.0 * parts);
+        let far = dt * dt * (parts + 1.0) * (parts + 2.0) / (6.0 * parts * parts);
         for index in 1..figure.links.len() {
             let link = &figure.links[index];
             let parent = link.parent.unwrap_or(0);
             let back = self.states[parent].turn.inverse();
-            let leg = matches!(link.part, Part::Thigh(_) | Part::Shank(_) | Part::Foot(_));
-            let share = self.tuning.standby[usize::from(!leg)];
-            let bears = match link.part {
-                Part::Thigh(side) | Part::Shank(side) | Part::Foot(side) => {
-                    self.swing.is_none_or(|swing| swing.side != side)
-                }
-                _ => false,
-            };
-            let scale = self.motion.mass / 89.5 * self.size * self.size;
-            let stiffness =
-                if bears { self.tuning.bearing[0] * scale } else { share * link.carried * link.omega * link.omega };
-            let damping = if bears { self.tuning.bearing[1] * scale } else { share * 2.0 * link.carried * link.omega };
+            let [stiffness, damping] = self.stands_by(link);
             let mut torque = back * self.needed[index];
             if let Freedom::Hinge { axis, .. } = link.freedom {
                 torque = axis * axis.dot(torque);
             }
             let torque = torque.clamp_length_max(MOST_TORQUE);
-            self.torques[index] = torque.length();
-            self.report.peak_torque = self.report.peak_torque.max(torque.length());
             // Relative acceleration and speed at the end of the tick, as planned, in the parent's frame.
             let spin = self.states[index].spin - self.states[parent].spin + self.stopped[index];
             let relative = self.accelerations[index].angular
                 - self.accelerations[parent].angular
                 - self.states[parent].spin.cross(spin - self.stopped[index]);
-            // The engine takes the tick in parts: what counts is the mean over their ends.
             let (spin, relative) = (back * spin, back * relative);
-            let speed = spin + relative * (0.625 * dt);
-            let way = spin * (0.625 * dt) + relative * (0.5 * 0.46875 * dt * dt);
+            let speed = spin + relative * late;
+            let way = spin * late + relative * far;
             let ahead = way + (torque + speed * damping) / stiffness.max(1e-9);
-            let stiff = [stiffness, damping];
-            world.drive(figure, index, &JointDrive { stiffness, damping, ahead, stiff });
+            world.drive(index, DVec3::splat(stiffness), DVec3::splat(damping), ahead);
         }
+    }
+
+    /// N m/rad and N m s/rad of a joint's spring and damper, which resist what is not foreseen.
+    fn stands_by(&self, link: &Link) -> [f64; 2] {
+        let side = match link.part {
+            Part::Thigh(side) | Part::Shank(side) | Part::Foot(side) => Some(side),
+            _ => None,
+        };
+        if side.is_some_and(|side| self.swing.is_none_or(|swing| swing.side != side)) {
+            let scale = self.motion.mass / 89.5 * self.size * self.size;
+            return self.tuning.bearing.map(|gain| gain * scale);
+        }
+        let share = self.tuning.standby[usize::from(side.is_none())];
+        [share * link.carried * link.omega * link.omega, share * 2.0 * link.carried * link.omega]
+    }
+
+    /// What the joints gave in the last tick.
+    fn strain(&mut self, world: &World) {
+        for (index, torque) in self.torques.iter_mut().enumerate() {
+            *torque = world.given(index);
+        }
+        self.report.peak_torque = self.torques.iter().copied().fold(0.0, f64::max);
     }
 }
 

@@ -440,6 +440,22 @@ impl<'a> Maker<'a> {
     }
 }
 
+/// Half sides and middle of a link's box. A pelvis whose joint is far below the hips (a root on the floor) reaches down to
+/// under the hips only: it would scrape along the ground.
+pub(super) fn above_legs(figure: &Figure, index: usize) -> (DVec3, DVec3) {
+    let link = &figure.links[index];
+    let (mut half, mut middle) = (link.half, link.middle);
+    if index == 0 {
+        let hips = figure.legs.map(|leg| figure.links[leg[0]].anchor.y);
+        let (low, high) = (middle.y - half.y, middle.y + half.y);
+        let least = (hips[0].min(hips[1]) - 0.2 * figure.leg_length).min(high - 0.1 * figure.leg_length);
+        if low < least {
+            (half.y, middle.y) = (0.5 * (high - least), 0.5 * (high + least));
+        }
+    }
+    (half, middle)
+}
+
 /// kg m², of a point mass at an offset.
 pub fn steiner(mass: f64, offset: DVec3) -> DMat3 {
     let outer = DMat3::from_cols(offset * offset.x, offset * offset.y, offset * offset.z);

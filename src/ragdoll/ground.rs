@@ -1,6 +1,5 @@
-//! The ground as colliders: plane, slope, treads, strips between gaps, a height field, a platform that turns.
+//! The ground as rapier's colliders, for balls: plane, slope, treads, strips between gaps, a height field, a platform that turns.
 
-use super::world::{rotation, vector};
 use crate::model::Terrain;
 use crate::model::scenario::GroundKind;
 use crate::model::terrain::FIRST;
@@ -100,4 +99,16 @@ pub(super) fn turn(physics: &mut PhysicsWorld, pieces: &[Piece], terrain: &Terra
         let pose = Pose::from_parts(Vector::ZERO, rotation(terrain.turn(time)));
         physics.bodies[piece.handle].set_next_kinematic_position(pose);
     }
+}
+
+pub(super) fn vector(v: DVec3) -> Vector {
+    Vector::new(v.x as f32, v.y as f32, v.z as f32)
+}
+
+pub(super) fn double(v: Vector) -> DVec3 {
+    DVec3::new(v.x.into(), v.y.into(), v.z.into())
+}
+
+pub(super) fn rotation(q: DQuat) -> Rotation {
+    Rotation::from_xyzw(q.x as f32, q.y as f32, q.z as f32, q.w as f32)
 }

@@ -1,48 +1,67 @@
 //! Things in the world beside the body: balls that fly, hit and roll, and what they gave to whom; a box in both hands.
 //!
-//! Scenario space, SI. Balls are rigid spheres that meet the body's boxes, the ground and one another; they are there from a
-//! moment before they arrive, and for good. Their contact forces are the engine's own.
+//! Scenario space, SI. Balls are rapier's rigid spheres among themselves and on the ground; where they meet the body, the body's own
+//! contacts act on both by equal and opposite impulses. They are there from a moment before they arrive, and for good.
 
 use super::figure::{Figure, Part, steiner};
-use super::world::{LinkState, World, double, rotation, vector};
-use crate::model::Side;
+use super::ground::{self, double, rotation, vector};
+use super::touches::Round;
+use super::world::{FASTEST, LinkState, World};
+use crate::dynamics::{Loose, Weld};
+use crate::model::{Side, Terrain};
 use glam::{DMat3, DQuat, DVec3};
 use rapier3d::prelude::*;
 
-/// Balls meet all.
-const BALL: InteractionGroups = InteractionGroups::new(
-    Group::GROUP_3,
-    Group::GROUP_1.union(Group::GROUP_2).union(Group::GROUP_3).union(Group::GROUP_4),
-    InteractionTestMode::And,
-);
+/// What stands still, and balls.
+const GROUND: InteractionGroups = InteractionGroups::new(Group::GROUP_2, Group::GROUP_3, InteractionTestMode::And);
+const BALL: InteractionGroups =
+    InteractionGroups::new(Group::GROUP_3, Group::GROUP_2.union(Group::GROUP_3), InteractionTestMode::And);
 /// Share of the closing speed that a ball bounces with.
-const RESTITUTION: f32 = 0.35;
-/// m, from how far away a contact is foreseen: what a fast ball makes in a tick, and a bit.
-const FORESEEN: f32 = 0.2;
+const RESTITUTION: f64 = 0.35;
 /// Of a ball's skin.
-const FRICTION: f32 = 0.6;
+const FRICTION: f64 = 0.6;
+/// m, beyond what a ball makes in a tick.
+const FORESEEN: f64 = 0.01;
 /// 1/s, what rolling and the air take.
 const DRAG: [f32; 2] = [0.05, 0.8];
+/// kg, the least that a box weighs.
+const LIGHTEST: f64 = 0.05;
 
-/// A sphere in the world.
+/// A ball.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sphere {
-    body: RigidBodyHandle,
-    collider: ColliderHandle,
+struct Ball {
+    radius: f64,
+    body: Loose,
+}
+
+/// Balls, and rapier's world with them and the ground. A copy makes a world of its own when it needs one.
+#[derive(Default)]
+pub(super) struct Balls {
+    balls: Vec<Ball>,
+    physics: Option<Physics>,
+}
+
+/// Rapier's world.
+struct Physics {
+    world: PhysicsWorld,
+    bodies: Vec<RigidBodyHandle>,
+    ground: Vec<ground::Piece>,
+}
+
+impl Clone for Balls {
+    fn clone(&self) -> Balls {
+        Balls { balls: self.balls.clone(), physics: None }
+    }
 }
 
 /// A box held by both hands.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Held {
-    body: RigidBodyHandle,
     size: DVec3,
+    hands: [usize; 2],
+    welds: [Weld; 2],
+    body: Loose,
 }
-
-/// The box meets the ground and balls, not who holds it.
-const BOX: InteractionGroups =
-    InteractionGroups::new(Group::GROUP_4, Group::GROUP_2.union(Group::GROUP_3), InteractionTestMode::And);
-/// kg, the least that the engine's box weighs.
-const LIGHTEST: f64 = 0.05;
 
 /// What a ball gave a link in a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,50 +74,129 @@ pub struct Blow {
     pub point: DVec3,
 }
 
-impl World {
-    /// Lets a ball loose; its number.
-    pub fn throw(&mut self, radius: f64, mass: f64, place: DVec3, velocity: DVec3) -> usize {
-        let body = RigidBodyBuilder::dynamic()
-            .translation(vector(place))
-            .linvel(vector(velocity))
+impl Balls {
+    /// A tick of their own, after the body's: rapier's, with the speeds that the body left them.
+    fn fly(&mut self, terrain: &Terrain, time: f64, dt: f64) {
+        if self.balls.is_empty() {
+            return;
+        }
+        let Balls { balls, physics } = self;
+        let physics = physics.get_or_insert_with(|| Physics::new(terrain));
+        for ball in &balls[physics.bodies.len()..] {
+            physics.add(ball);
+        }
+        physics.world.integration_parameters.dt = dt as f32;
+        for (ball, handle) in balls.iter().zip(&physics.bodies) {
+            let body = &mut physics.world.bodies[*handle];
+            body.set_linvel(vector(ball.body.velocity), true);
+            body.set_angvel(vector(ball.body.spin), true);
+        }
+        ground::turn(&mut physics.world, &physics.ground, terrain, time);
+        physics.world.step();
+        for (ball, handle) in balls.iter_mut().zip(&physics.bodies) {
+            let body = &physics.world.bodies[*handle];
+            ball.body.place = double(body.translation());
+            ball.body.turn = quat(*body.rotation());
+            ball.body.velocity = double(body.linvel());
+            ball.body.spin = double(body.angvel());
+        }
+    }
+}
+
+impl Physics {
+    fn new(terrain: &Terrain) -> Physics {
+        let mut world = PhysicsWorld::new();
+        world.gravity = vector(DVec3::NEG_Y * crate::maths::pendulum::GRAVITY);
+        world.integration_parameters.contact_recycling = false;
+        let ground = ground::build(&mut world, terrain, GROUND);
+        Physics { world, bodies: Vec::new(), ground }
+    }
+
+    fn add(&mut self, ball: &Ball) {
+        let Ball { radius, body } = ball;
+        let built = RigidBodyBuilder::dynamic()
+            .pose(Pose::from_parts(vector(body.place), rotation(body.turn)))
+            .linvel(vector(body.velocity))
+            .angvel(vector(body.spin))
             .linear_damping(DRAG[0])
             .angular_damping(DRAG[1])
-            // Contacts are foreseen; hard CCD would hold links back against their joints.
-            .soft_ccd_prediction(FORESEEN)
             .can_sleep(false);
-        let collider = ColliderBuilder::ball(radius as f32)
-            .mass(mass as f32)
-            .friction(FRICTION)
-            .restitution(RESTITUTION)
+        let collider = ColliderBuilder::ball(*radius as f32)
+            .mass(body.mass as f32)
+            .friction(FRICTION as f32)
+            .restitution(RESTITUTION as f32)
             .restitution_combine_rule(CoefficientCombineRule::Max)
             .collision_groups(BALL);
-        let (body, collider) = self.physics.insert(body, collider);
-        self.spheres.push(Sphere { body, collider });
-        self.spheres.len() - 1
+        let (handle, _) = self.world.insert(built, collider);
+        self.bodies.push(handle);
+    }
+}
+
+impl World {
+    /// Lists what is loose for the coming tick: the balls, and the box last.
+    pub(super) fn gather(&mut self) {
+        let World { balls, around, surroundings, held, dt, .. } = self;
+        around.loose.clear();
+        around.loose.extend(balls.balls.iter().map(|ball| ball.body));
+        surroundings.balls.clear();
+        surroundings.balls.extend(balls.balls.iter().map(|ball| Round {
+            radius: ball.radius,
+            reach: ball.body.velocity.length() * *dt + FORESEEN,
+            friction: FRICTION,
+            bounce: RESTITUTION,
+        }));
+        around.welds.clear();
+        surroundings.carried = None;
+        if let Some(held) = held {
+            let number = around.loose.len();
+            around.loose.push(held.body);
+            around.welds.extend(held.welds.iter().map(|weld| Weld { body: number, ..*weld }));
+            surroundings.carried = Some((number, held.size, held.hands[0]));
+        }
+    }
+
+    /// Takes back what the body's tick did to what is loose, and lets the balls go on.
+    pub(super) fn scatter(&mut self, terrain: &Terrain, time: f64) {
+        let World { balls, around, held, dt, .. } = self;
+        for (ball, body) in balls.balls.iter_mut().zip(&around.loose) {
+            (ball.body.velocity, ball.body.spin) = (body.velocity, body.spin);
+        }
+        if let (Some(held), Some(body)) = (held, around.loose.last()) {
+            held.body = *body;
+        }
+        balls.fly(terrain, time, *dt);
+    }
+
+    /// Lets a ball loose; its number.
+    pub fn throw(&mut self, radius: f64, mass: f64, place: DVec3, velocity: DVec3) -> usize {
+        let body = Loose {
+            mass,
+            inertia: DVec3::splat(0.4 * mass * radius * radius),
+            place,
+            turn: DQuat::IDENTITY,
+            velocity,
+            spin: DVec3::ZERO,
+            falls: false,
+        };
+        self.balls.balls.push(Ball { radius, body });
+        self.balls.balls.len() - 1
     }
 
     /// m, turn and m/s of a ball.
     pub fn ball(&self, number: usize) -> (DVec3, DQuat, DVec3) {
-        let body = &self.physics.bodies[self.spheres[number].body];
-        (double(body.translation()), quat(*body.rotation()), double(body.linvel()))
+        let body = &self.balls.balls[number].body;
+        (body.place, body.turn, body.velocity)
     }
 
     /// What a ball gave to links in the last tick.
-    pub fn blows(&self, figure: &Figure, number: usize) -> Vec<Blow> {
-        let sphere = self.spheres[number];
-        let centre = self.physics.bodies[sphere.body].translation();
-        let mut blows = Vec::new();
-        for pair in self.physics.narrow_phase.contact_pairs_with(sphere.collider) {
-            let first = pair.collider1 == sphere.collider;
-            let other = if first { pair.collider2 } else { pair.collider1 };
-            let Some(link) = (0..figure.links.len()).find(|link| self.boxes[*link] == other) else { continue };
-            let impulse = double(pair.total_impulse()) * if first { 1.0 } else { -1.0 };
-            if impulse.length() <= 0.0 {
-                continue;
+    pub fn blows(&self, number: usize) -> Vec<Blow> {
+        let mut blows: Vec<Blow> = Vec::new();
+        for met in self.around.met.iter().filter(|met| met.touch.other == Some(number)) {
+            let (link, point) = (met.touch.link, met.touch.at);
+            match blows.iter_mut().find(|blow| blow.link == link) {
+                Some(blow) => blow.impulse += met.impulse,
+                None => blows.push(Blow { link, impulse: met.impulse, point }),
             }
-            let collider = &self.physics.colliders[other];
-            let point = collider.shape().project_point(collider.position(), centre, true).point;
-            blows.push(Blow { link, impulse, point: double(point) });
         }
         blows.sort_by_key(|blow| blow.link);
         blows
@@ -109,44 +207,33 @@ impl World {
         self.let_go();
         let hands = Side::BOTH.map(|side| figure.links.iter().position(|link| link.part == Part::Hand(side)));
         let [Some(left), Some(right)] = hands else { return };
-        let half = vector(0.5 * size);
-        let pose = Pose::from_parts(vector(centre), rotation(turn));
-        let body = RigidBodyBuilder::dynamic().pose(pose).can_sleep(false);
-        let collider = ColliderBuilder::cuboid(half.x, half.y, half.z).density(0.0).friction(0.5).collision_groups(BOX);
-        let (body, _) = self.physics.insert(body, collider);
-        for link in [left, right] {
-            let at = self.physics.bodies[self.links[link]].position();
-            let back = quat(at.rotation).inverse();
-            let frame = Pose::from_parts(vector(back * (centre - double(at.translation))), rotation(back * turn));
-            self.physics.insert_impulse_joint(self.links[link], body, FixedJointBuilder::new().local_frame1(frame));
-        }
-        self.held = Some(Held { body, size });
+        let weld = |link: usize| {
+            let (origin, hand) = self.body.place(link);
+            let at = [hand.inverse() * (centre - origin), DVec3::ZERO];
+            Weld { link, body: 0, at, turn: hand.inverse() * turn }
+        };
+        let (velocity, spin) = self.body.motion_at(left, centre);
+        let body = Loose { mass, inertia: DVec3::ONE, place: centre, turn, velocity, spin, falls: true };
+        self.held = Some(Held { size, hands: [left, right], welds: [weld(left), weld(right)], body });
         self.weigh(mass);
     }
 
     /// The box weighs that now (kg).
     pub fn weigh(&mut self, mass: f64) {
-        let Some(held) = self.held else { return };
-        let mass = mass.max(LIGHTEST);
-        let inertia = cuboid(held.size, mass);
-        let properties = MassProperties::new(Vector::ZERO, mass as f32, vector(inertia));
-        if let Some(body) = self.physics.bodies.get_mut(held.body) {
-            body.set_additional_mass_properties(properties, true);
+        if let Some(held) = &mut self.held {
+            held.body.mass = mass.max(LIGHTEST);
+            held.body.inertia = cuboid(held.size, held.body.mass);
         }
     }
 
     /// Where the box is: centre, turn, size; `None` without one.
     pub fn held_box(&self) -> Option<(DVec3, DQuat, DVec3)> {
-        let held = self.held?;
-        let pose = self.physics.bodies[held.body].position();
-        Some((double(pose.translation), quat(pose.rotation), held.size))
+        self.held.as_ref().map(|held| (held.body.place, held.body.turn, held.size))
     }
 
     /// The box is gone.
     pub fn let_go(&mut self) {
-        if let Some(held) = self.held.take() {
-            self.physics.remove_body(held.body);
-        }
+        self.held = None;
         self.offsets.fill(DVec3::ZERO);
     }
 
@@ -183,20 +270,8 @@ impl World {
 
     /// What is wrong with the balls, for a person.
     pub fn broken_ball(&self) -> Option<String> {
-        let bad = |sphere: &Sphere| {
-            let body = &self.physics.bodies[sphere.body];
-            !double(body.translation()).is_finite() || double(body.linvel()).length() > super::world::FASTEST
-        };
-        self.spheres.iter().position(bad).map(|number| format!("ball {} is out of bounds", number + 1))
-    }
-
-    /// A part that the engine had to take out in the last tick because its numbers were none.
-    pub fn quarantined(&self, figure: &Figure) -> Option<String> {
-        let taken = self.physics.quarantine().bodies();
-        let link = (0..figure.links.len()).find(|link| taken.contains(&self.links[*link]));
-        let name =
-            link.map(|link| figure.links[link].part.name()).or_else(|| taken.first().map(|_| "box or ball".into()));
-        name.map(|name| format!("the place of the {name} is not a finite number"))
+        let bad = |ball: &Ball| !ball.body.place.is_finite() || !(ball.body.velocity.length() <= FASTEST);
+        self.balls.balls.iter().position(bad).map(|number| format!("ball {} is out of bounds", number + 1))
     }
 }
 

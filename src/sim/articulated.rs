@@ -20,8 +20,8 @@ use crate::whole_body::stand::relaxed_arms;
 use crate::whole_body::{Anatomy, ArmAngles, Solver, stand};
 use glam::{DQuat, DVec2, DVec3};
 
-/// The solver's iterations a tick: with fewer it stands less well, with more it takes longer (notes in `ragdoll::world`).
-const ITERATIONS: usize = 4;
+/// In how many parts the world takes a tick.
+const PARTS: usize = 2;
 /// Share of the standing height under which the centre of mass has fallen (DESIGN, "fallen").
 const FALLEN: f64 = 0.57;
 /// And the share from which on who is falling lets himself fall.
@@ -166,7 +166,7 @@ fn attempt(
     let target = carries(0.0, &target);
     let first = on_ground(body, anatomy, physique, terrain, &plants, &target)
         .unwrap_or_else(|| Solver::new(body, anatomy).solve(&target).pose);
-    let mut run = Run::new(&figure, &first, body, terrain, options.dt);
+    let mut run = Run::new(&figure, &first, body, terrain, options.dt)?;
     run.control.assist = assist;
     let mut reaction = Reaction::new(physique, Personality::default(), 0.5);
     let planned = (options.duration / options.dt - 1e-9).ceil().max(0.0) as usize;
@@ -277,11 +277,12 @@ struct Run {
 }
 
 impl Run {
-    fn new(figure: &Figure, standing: &BodyPose, body: &Body, terrain: &Terrain, dt: f64) -> Run {
-        let world = World::new(figure, &figure.placed(body, standing), terrain, dt, ITERATIONS);
+    fn new(figure: &Figure, standing: &BodyPose, body: &Body, terrain: &Terrain, dt: f64) -> Result<Run, BrokenBody> {
+        let world = World::new(figure, &figure.placed(body, standing), terrain, dt, PARTS)
+            .map_err(|error| BrokenBody { time: 0.0, what: error.to_string() })?;
         let control = Controller::new(figure, &world, Tuning::default());
         let states = control.states().to_vec();
-        Run { world, control, states, balls: Balls::default(), carried: None }
+        Ok(Run { world, control, states, balls: Balls::default(), carried: None })
     }
 
     /// One tick of the world from `time` on, and a look at whether it still holds together.
@@ -289,7 +290,7 @@ impl Run {
         let after = time + self.world.dt;
         self.world.step(terrain, after);
         self.world.read(&mut self.states);
-        let broken = self.world.quarantined(figure).or_else(|| World::broken(figure, &self.states));
+        let broken = World::broken(figure, &self.states);
         match broken.or_else(|| self.world.broken_ball()) {
             Some(what) => Err(BrokenBody { time: after, what }),
             None => Ok(()),

@@ -105,7 +105,7 @@ impl Balls {
         for (number, ball) in self.flown.iter_mut().enumerate() {
             let (place, turn, _) = world.ball(number);
             ball.way.push((time, place, turn));
-            for blow in world.blows(figure, number) {
+            for blow in world.blows(number) {
                 self.felt.push((blow.impulse, blow.point));
                 let size = blow.impulse.length();
                 let state = states[blow.link];

@@ -419,7 +419,7 @@ fn ticks(subject: &Subject) {
     {
         let figure = Figure::new(&subject.body, &pose, locks);
         let terrain = Terrain::flat();
-        let mut world = World::new(&figure, &figure.placed(&subject.body, &pose), &terrain, 0.01, 4);
+        let mut world = World::new(&figure, &figure.placed(&subject.body, &pose), &terrain, 0.01, 2).expect("a tree");
         let mut control = Controller::new(&figure, &world, Tuning::default());
         let (mut law, mut step) = (Vec::new(), Vec::new());
         for tick in 0..3000 {
