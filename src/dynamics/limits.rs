@@ -1,10 +1,10 @@
-//! The ends of the joints' ranges as rows: a hinge's angle; a ball joint's swing inside an ellipse of four quadrants, and its twist
-//! (Grassia 1998: a rotation is a twist about the bone and then a swing of it).
+//! The ends of the joints' ranges as rows: a hinge's angle; a ball joint's swing about two axes, and its twist (Grassia 1998: a rotation is
+//! a twist about the bone and then a swing of it).
 
 use super::rows::Kind;
 use super::state::Articulation;
 use super::tree::DEEPEST;
-use glam::{DQuat, DVec2, DVec3};
+use glam::{DQuat, DVec3};
 
 /// rad before its end from which on a range is looked after.
 const NEAR: f64 = 0.3;
@@ -43,33 +43,25 @@ pub struct Swing {
 type End = (f64, DVec3);
 
 impl Swing {
-    /// The ends of swing and twist.
-    fn ends(&self, relative: DQuat) -> [Option<End>; 3] {
+    /// The low and the high end of the swing about both axes and of the twist.
+    fn ends(&self, relative: DQuat) -> [Option<End>; 6] {
         let relative = if relative.w < 0.0 { -relative } else { relative };
         let bone = relative * self.along;
         let cosine = self.along.dot(bone).clamp(-1.0, 1.0);
-        let axis = self.along.cross(bone);
-        let mut swing = None;
-        if axis.length() > 1e-6 {
-            let turned = axis.normalize() * cosine.acos();
-            let at = DVec2::new(turned.dot(self.about[0]), turned.dot(self.about[1]));
-            let most = |way: usize, value: f64| if value < 0.0 { -self.swing[way][0] } else { self.swing[way][1] };
-            let reach = DVec2::new(most(0, at.x).max(1e-3), most(1, at.y).max(1e-3));
-            let out = (at / reach).length();
-            let slope = at / (reach * reach) / out.max(1e-9);
-            let steep = slope.length();
-            if steep > 1e-9 {
-                let away = self.about[0] * slope.x + self.about[1] * slope.y;
-                swing = Some(((1.0 - out) / steep, -away / steep));
-            }
+        let axis = self.along.cross(bone).normalize_or_zero() * cosine.acos();
+        let mut ends = [None; 6];
+        for (way, (about, [low, high])) in self.about.into_iter().zip(self.swing).enumerate() {
+            let swung = axis.dot(about);
+            ends[2 * way] = Some((swung - low, about));
+            ends[2 * way + 1] = Some((high - swung, -about));
         }
-        let mut twists = [None; 2];
         if cosine > -0.99 {
             let twist = 2.0 * DVec3::new(relative.x, relative.y, relative.z).dot(self.along).atan2(relative.w);
             let about = (self.along + bone) / (1.0 + cosine);
-            twists = [Some((twist - self.twist[0], about)), Some((self.twist[1] - twist, -about))];
+            ends[4] = Some((twist - self.twist[0], about));
+            ends[5] = Some((self.twist[1] - twist, -about));
         }
-        [swing, twists[0], twists[1]]
+        ends
     }
 }
 
@@ -77,12 +69,11 @@ impl Articulation {
     /// Adds a row for each end that a joint is near to; `free`: the speeds if nothing held it back, over `dt` s.
     pub(super) fn add_limits(&mut self, free: &super::factor::Vector, dt: f64) {
         for index in 1..self.tree.links.len() {
-            let parent = self.tree.links[index].parent.unwrap_or(0);
             let ends = match self.tree.links[index].range {
                 Range::Free => continue,
                 Range::Hinge([low, high]) => {
                     let angle = self.angle[index];
-                    [None, Some((angle - low, DVec3::X)), Some((high - angle, DVec3::NEG_X))]
+                    [Some((angle - low, DVec3::X)), Some((high - angle, DVec3::NEG_X)), None, None, None, None]
                 }
                 Range::Ball(swing) => swing.ends(self.relative[index]),
             };
@@ -98,9 +89,8 @@ impl Articulation {
                     j[self.tree.depth[freedom]] = value;
                     goes += value * free[freedom];
                 }
-                debug_assert!(parent < index);
                 let target = if left > 0.0 { -left / dt } else { (-left * BACK / dt).min(BACK_AT_MOST) };
-                let key = KEYS + 4 * index as u32 + which as u32;
+                let key = KEYS + 8 * index as u32 + which as u32;
                 let tools = (&self.tree, &self.factors);
                 self.rows.add(tools, Kind::Stop, key, (last, j), None, target - goes, 0.0);
             }
@@ -124,9 +114,13 @@ mod tests {
     #[test]
     fn each_end_of_a_swing_is_as_far_as_it_says() {
         for (axis, end) in [(DVec3::X, 0.5), (DVec3::NEG_X, 2.0), (DVec3::Z, 0.7), (DVec3::NEG_Z, 0.5)] {
-            for share in [0.5, 0.9, 1.1] {
-                let [swing, ..] = hip().ends(DQuat::from_axis_angle(axis, end * share));
-                let (left, away) = swing.expect("it swings");
+            for share in [0.8, 0.9, 1.1] {
+                let ends = hip().ends(DQuat::from_axis_angle(axis, end * share));
+                let (left, away) = ends[..4]
+                    .iter()
+                    .flatten()
+                    .copied()
+                    .fold((9.0, DVec3::ZERO), |near, next| if next.0 < near.0 { next } else { near });
                 assert!((left - end * (1.0 - share)).abs() < 1e-9, "{axis} {share}: {left}");
                 assert!(away.distance(-axis) < 1e-9, "{axis}: back by {away}");
             }
@@ -137,7 +131,7 @@ mod tests {
     fn a_twist_is_seen_apart_from_the_swing_before_and_behind() {
         for (swung, twisted) in [(0.0, 0.4), (-1.2, 0.4), (-1.2, -0.5)] {
             let turn = DQuat::from_rotation_x(swung) * DQuat::from_axis_angle(DVec3::NEG_Y, twisted);
-            let [_, low, high] = hip().ends(turn);
+            let [.., low, high] = hip().ends(turn);
             assert!((low.expect("low").0 - (twisted + 0.6)).abs() < 1e-9);
             assert!((high.expect("high").0 - (0.6 - twisted)).abs() < 1e-9);
         }
@@ -147,7 +141,7 @@ mod tests {
     fn a_small_turn_about_the_axis_that_leads_away_leads_away_by_as_much() {
         let turn =
             DQuat::from_rotation_x(-1.4) * DQuat::from_rotation_z(0.3) * DQuat::from_axis_angle(DVec3::NEG_Y, 0.5);
-        for which in 1..3 {
+        for which in 4..6 {
             let (left, away) = hip().ends(turn)[which].expect("an end");
             let step = 1e-5;
             let (then, _) = hip().ends(DQuat::from_scaled_axis(away.normalize() * step) * turn)[which].expect("an end");

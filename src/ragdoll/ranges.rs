@@ -40,8 +40,8 @@ fn ends(part: Part) -> [[f64; 2]; 3] {
         Part::Head => [[-0.7, 0.7], [-0.5, 0.5], [-1.0, 1.0]],
         Part::UpperArm(side) => sided([-2.6, 0.8], [-0.4, 2.3], 1.2, side.sign() > 0.0),
         Part::Hand(_) => [[-0.8, 0.8], [-0.5, 0.5], [-0.3, 0.3]],
-        Part::Thigh(side) => sided([-2.0, 0.5], [-0.5, 0.75], 0.7, side.sign() > 0.0),
-        Part::Foot(side) => sided([-0.5, 0.85], [-0.34, 0.5], 0.35, side.sign() > 0.0),
+        Part::Thigh(side) => sided([-2.18, 0.52], [-0.52, 0.785], 0.8, side.sign() > 0.0),
+        Part::Foot(side) => sided([-0.52, 0.87], [-0.35, 0.52], 0.4, side.sign() > 0.0),
         Part::Pelvis | Part::Forearm(_) | Part::Shank(_) => [[-3.0, 3.0]; 3],
     }
 }
