@@ -126,7 +126,7 @@ impl Baked {
         }
         let lost = self.performance.lost.filter(|lost| *lost <= self.report.duration + 1e-9);
         Some(match lost {
-            Some(lost) if !self.performance.timeline.fallen.is_empty() => Fall::Down(lost),
+            Some(lost) if self.performance.timeline.falls() => Fall::Down(lost),
             Some(lost) => Fall::Ends(lost),
             None => {
                 let fallen = self.findings.as_ref().and_then(|findings| findings.balance.fallen);

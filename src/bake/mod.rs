@@ -23,6 +23,7 @@ mod knees;
 mod leverage;
 mod looped;
 pub mod perform;
+pub mod played;
 pub mod props;
 pub mod pushes;
 pub mod ragdoll;
