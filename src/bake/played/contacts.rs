@@ -59,7 +59,12 @@ impl<'a> Track<'a> {
             feet.iter().map(|foot| foot.ankle + foot.foot * offset).collect()
         });
         let least = PRESSED * body.mass * GRAVITY * dt;
-        let by = |index: usize| run.pressed.get(index).is_some_and(|pressed| pressed[side as usize] > least);
+        let stood = |index: usize| {
+            let time = index as f64 * dt;
+            run.stood[side as usize].iter().any(|[from, to]| *from - 1e-9 <= time && time <= *to + 1e-9)
+        };
+        let by =
+            |index: usize| stood(index) && run.pressed.get(index).is_some_and(|pressed| pressed[side as usize] > least);
         // It stands from the start: the ground has not pressed yet.
         let first = (0..feet.len()).find(|index| by(*index)).unwrap_or(0);
         let mut pressed: Vec<bool> = (0..feet.len()).map(|index| index < first || by(index)).collect();

@@ -57,4 +57,49 @@ mod tests {
         assert!((found.place - 0.005).abs() < 1e-9 && (found.turn - 0.02).abs() < 1e-7, "{found:?}");
         assert_eq!(between(&body, &[0], &run, &clip).turn, 0.0, "of the joints that are asked for");
     }
+
+    /// The report of a shove's clip whose keys are changed so.
+    fn told(change: &dyn Fn(&mut crate::model::Clip)) -> crate::model::report::Drift {
+        use crate::bake::{BakeOptions, Drive, Helped, RootMotion, bake, report};
+        let none = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
+        let rig = crate::rig::load_bytes("builtin", crate::rig::mannequin::BUILTIN, &none, None).expect("it loads");
+        let drive = Drive::Ragdoll(Helped::Within(Default::default()));
+        let scenario = crate::model::Scenario { duration: 2.0, ..crate::model::Scenario::demo() };
+        let mut baked = bake(&rig, &scenario, &BakeOptions { drive, ..BakeOptions::default() }).expect("it bakes");
+        change(&mut baked.clip);
+        let input = report::ReportInput {
+            rig: &rig,
+            clip: &baked.clip,
+            performance: &baked.performance,
+            scenario: &scenario,
+            seed: 0,
+            root: RootMotion::Root,
+        };
+        report::report(&input).0.drift.expect("a ragdoll's")
+    }
+
+    #[test]
+    fn a_clip_that_is_not_its_run_is_told_so() {
+        use crate::model::KeyValues;
+        let own = told(&|_| {});
+        assert!(own.position_mm <= 5.0 && own.angle_deg <= 2.0, "{own:?}");
+        // One key of all that move the body, lifted by 2 cm.
+        let lifted = told(&|clip| {
+            let moved = clip.channels.iter_mut().find_map(|channel| match &mut channel.values {
+                KeyValues::Translation(values) if values.len() > 4 => Some(values),
+                _ => None,
+            });
+            let values = moved.expect("something moves");
+            let middle = values.len() / 2;
+            values[middle][1] += 0.02;
+        });
+        assert!(lifted.position_mm > 15.0, "{lifted:?}");
+        // Late by a tenth of a second.
+        let late = told(&|clip| {
+            for channel in &mut clip.channels {
+                channel.times.iter_mut().skip(1).for_each(|time| *time += 0.1);
+            }
+        });
+        assert!(late.position_mm > 20.0 && late.angle_deg > 5.0, "{late:?}");
+    }
 }

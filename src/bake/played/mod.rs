@@ -40,6 +40,8 @@ pub struct Run<'a> {
     pub dt: f64,
     /// N s, what pressed on each foot in the tick before each pose, as far as it stands.
     pub pressed: &'a [[f64; 2]],
+    /// s, from when to when each foot stood: what it touches in between is scuffed.
+    pub stood: &'a [Vec<[f64; 2]>; 2],
     /// The joint that each link turns about.
     pub joints: &'a [usize],
 }

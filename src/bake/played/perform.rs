@@ -63,6 +63,6 @@ fn played(driven: &Driven, duration: f64, (body, anatomy): (&Body, &Anatomy), te
     let stands = whole.min(run.trace.ticks.len().min(run.poses.len()).saturating_sub(1));
     let falls = run.trace.lost.is_some_and(|lost| lost <= duration);
     let last = if falls { run.poses.len() } else { stands + 1 };
-    let input = Run { body, anatomy, terrain, dt, pressed: &run.pressed, joints: &run.joints };
+    let input = Run { body, anatomy, terrain, dt, pressed: &run.pressed, stood: &run.stood, joints: &run.joints };
     Played::new(&input, run.poses[..last].to_vec(), stands)
 }
