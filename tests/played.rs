@@ -145,7 +145,7 @@ fn what_a_contact_holds_stands_still_where_the_ground_presses_and_nothing_else_i
         for scenario in shoves(&rig, 6, [40.0, 140.0], 17) {
             let baked = play(&rig, &scenario);
             let run = run(&baked);
-            assert!(baked.report.plausibility.slip_max_mm < 0.5, "{name}: {:?}", baked.report.contacts);
+            assert!(baked.report.plausibility.slip_max_mm < 1.0, "{name}: {:?}", baked.report.contacts);
             let ends: Vec<&surefoot::bake::contacts::FootContact> = baked.performance.contacts.iter().collect();
             assert!(ends.iter().filter(|contact| contact.part == Part::Flat).count() >= 2, "{name}");
             for contact in &ends {
