@@ -53,6 +53,7 @@ pub fn report(clip: &Clip) -> ClipReport {
         torques: Vec::new(),
         base: None,
         looped: None,
+        drift: None,
         plausibility: Plausibility::default(),
     }
 }

@@ -33,7 +33,7 @@ fn strayed(run: &Articulated) -> f64 {
         let ahead = turn * DVec3::Z;
         ahead.x.atan2(ahead.z).abs()
     };
-    run.upper.iter().map(|pose| yaw(pose.pelvis)).fold(0.0, f64::max)
+    run.poses.iter().map(|pose| yaw(pose.turns[0])).fold(0.0, f64::max)
 }
 
 /// m/s, in the mean from a time (s) to the end.

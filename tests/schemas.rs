@@ -13,8 +13,8 @@ use surefoot::correct::{Done, told};
 use surefoot::mocap::Options;
 use surefoot::model::findings::{Abstained, ClipFlag, Findings, Flag, FootContact, Rule, StepVerdict};
 use surefoot::model::report::{
-    Assist, BaseReport, BodyReport, ClipReport, Contact, Disturbance, Event, JointTorque, LoopReport, Outcome, Part,
-    Plausibility,
+    Assist, BaseReport, BodyReport, ClipReport, Contact, Disturbance, Drift, Event, JointTorque, LoopReport, Outcome,
+    Part, Plausibility,
 };
 use surefoot::model::{Capture, Side};
 
@@ -119,6 +119,7 @@ fn report() -> ClipReport {
         disturbances: vec![push],
         assist: Assist { peak_nm: 0.0, rms_nm: 0.0, peak_n: 0.0, rms_n: 0.0 },
         torques: vec![JointTorque { joint: "leftUpperLeg".into(), peak_nm: 100.0, share: 0.2 }],
+        drift: Some(Drift { position_mm: 2.5, angle_deg: 1.25 }),
         plausibility: Plausibility {
             score: 1.0,
             zmp_inside: 1.0,

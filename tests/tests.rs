@@ -88,6 +88,8 @@ mod mocap;
 mod mocap_files;
 /// Contact sheets of real rigs.
 mod picture;
+/// Clips of the articulated body are its runs: joints, outcome, footfalls.
+mod played;
 /// The articulated body: falls, balls, grounds, breakdowns.
 mod ragdoll;
 /// The articulated body walking.

@@ -1,5 +1,4 @@
-//! Chooses between the stepper and the articulated body: both play the scenario, and what is better is kept. And how much
-//! help the articulated body gets where that is left to the tool: the least with which simulation and clip both stay up.
+//! Chooses between the stepper and the articulated body: both play the scenario, and what is better is kept.
 //!
 //! Who stands is before who falls, and who walks as told before who does not set off. Where things touch the body (balls, a box, a
 //! platform) the articulated body is kept; else the clip of the higher plausibility, the stepper's where they are even. Where
@@ -9,11 +8,7 @@ use super::ragdoll::{Drive, Helped, Stroll, stroll, unplayed};
 use super::{BakeError, BakeOptions, Baked, bake_by};
 use crate::model::report::Outcome;
 use crate::model::scenario::{GroundKind, Scenario};
-use crate::ragdoll::control::Assist;
 use crate::rig::Rig;
-
-/// Clips that are baked at most to find the help with which one of them stays up.
-const MOST_CLIPS: usize = 4;
 
 /// Why a drive was chosen.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,7 +42,7 @@ pub fn choose(stepper: Baked, rig: &Rig, scenario: &Scenario, options: &BakeOpti
     if !unplayed.is_empty() {
         return stepper.chosen(format!("the ragdoll cannot play {} yet", unplayed.join(", ")), None);
     }
-    let ragdoll = match bake_helped(rig, scenario, options, helped) {
+    let ragdoll = match bake_by(rig, scenario, options, Drive::Ragdoll(helped)) {
         Ok(baked) => baked,
         Err(error) => return stepper.chosen(format!("of the ragdoll, {error}"), None),
     };
@@ -71,47 +66,6 @@ pub fn choose(stepper: Baked, rig: &Rig, scenario: &Scenario, options: &BakeOpti
     }
 }
 
-/// Bakes the articulated body's clip. Its help, where that is left to the tool, is more than the least with which the
-/// simulation stays up where the clip is measured as a fall all the same.
-pub(super) fn bake_helped(
-    rig: &Rig,
-    scenario: &Scenario,
-    options: &BakeOptions,
-    helped_by: Helped,
-) -> Result<Baked, BakeError> {
-    let first = bake_by(rig, scenario, options, Drive::Ragdoll(helped_by))?;
-    let mut next = first.more_help();
-    for _ in 1..MOST_CLIPS {
-        let Some(rung) = next else { break };
-        let Ok(mut baked) = bake_by(rig, scenario, options, Drive::Ragdoll(Helped::From(rung))) else { break };
-        if baked.fall().is_none() {
-            if let (Some(driven), Some(less)) = (&mut baked.performance.articulated, &first.performance.articulated) {
-                let bound = less.bound;
-                driven.why = Some(format!(
-                    "with {:.0} Nm and {:.0} N the simulation stays up, but its clip is measured as a fall",
-                    bound.torque, bound.force
-                ));
-            }
-            return Ok(baked);
-        }
-        next = baked.more_help();
-    }
-    let helped = first.performance.articulated.as_ref().filter(|driven| driven.bound != Assist::default());
-    if let (Helped::Auto, Some(Fall::Measured(_)), Some(driven)) = (helped_by, first.fall(), helped) {
-        // Help that does not keep the clip up only bends the fall.
-        let why = format!(
-            "with {:.0} Nm and {:.0} N the simulation stays up, but no clip does",
-            driven.bound.torque, driven.bound.force
-        );
-        let mut free = bake_by(rig, scenario, options, Drive::Ragdoll(Helped::Within(Assist::default())))?;
-        if let Some(driven) = &mut free.performance.articulated {
-            driven.why = Some(why);
-        }
-        return Ok(free);
-    }
-    Ok(first)
-}
-
 /// Whether anything but a push meets the body.
 fn touched(scenario: &Scenario) -> bool {
     let platform = matches!(scenario.ground.kind, GroundKind::Platform { .. });
@@ -126,20 +80,13 @@ impl Baked {
         }
         let lost = self.performance.lost.filter(|lost| *lost <= self.report.duration + 1e-9);
         Some(match lost {
-            Some(lost) if !self.performance.timeline.fallen.is_empty() => Fall::Down(lost),
+            Some(lost) if self.performance.timeline.falls() => Fall::Down(lost),
             Some(lost) => Fall::Ends(lost),
             None => {
                 let fallen = self.findings.as_ref().and_then(|findings| findings.balance.fallen);
                 Fall::Measured(fallen.unwrap_or(self.report.duration))
             }
         })
-    }
-
-    /// The next rung of help, where this clip falls and its simulation does not.
-    fn more_help(&self) -> Option<usize> {
-        let driven = self.performance.articulated.as_ref()?;
-        let falls = self.fall().is_some() && driven.run.trace.lost.is_none();
-        driven.next.filter(|_| falls)
     }
 
     fn chosen(self, why: String, other: Option<f64>) -> Baked {

@@ -23,6 +23,7 @@ mod knees;
 mod leverage;
 mod looped;
 pub mod perform;
+pub mod played;
 pub mod props;
 pub mod pushes;
 pub mod ragdoll;
@@ -138,8 +139,7 @@ impl Default for BakeOptions {
 pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Baked, BakeError> {
     match options.drive {
         Drive::Auto(helped) => auto::bake(rig, scenario, options, helped),
-        Drive::Ragdoll(helped) => auto::bake_helped(rig, scenario, options, helped),
-        Drive::Stepper => bake_by(rig, scenario, options, Drive::Stepper),
+        drive => bake_by(rig, scenario, options, drive),
     }
 }
 

@@ -9,7 +9,7 @@ use super::contacts::{self, FootContact};
 use super::ragdoll::{self, Drive};
 use super::throws::{self, Ball};
 use super::timeline::Timeline;
-use super::{BakeError, ankles, apart, balance, care, feet, footing, knees, pushes, reach};
+use super::{BakeError, ankles, apart, balance, care, feet, footing, knees, played, pushes, reach};
 use crate::maths::curve::smooth3;
 use crate::maths::seed::Seed;
 use crate::measure::joints::LegAngles;
@@ -84,6 +84,9 @@ pub fn perform_over(
     drive: Drive,
     base: Option<&Arc<Base>>,
 ) -> Result<Performance, BakeError> {
+    if let Drive::Ragdoll(helped) | Drive::Auto(helped) = drive {
+        return played::perform::perform(body, scenario, seed, helped);
+    }
     let anatomy = Anatomy::new(body);
     let mut over = base.map(|base| Over::new(base, body, &anatomy, scenario)).transpose()?;
     let physique = stand::physique(body, &anatomy);
@@ -110,7 +113,7 @@ pub fn perform_over(
     };
     let mut balls = Vec::new();
     let tosses = throws::tosses(scenario, seed);
-    for toss in tosses.iter().filter(|_| drive == Drive::Stepper) {
+    for toss in &tosses {
         let index = (toss.arrives / trace.dt).round() as usize;
         let Some(tick) = trace.ticks.get(index) else { break };
         let measures = script.physiques.get(index).unwrap_or(&physique);
@@ -135,32 +138,9 @@ pub fn perform_over(
         }
         balls.push(ball);
     }
-    let articulated = match drive {
-        Drive::Stepper => None,
-        Drive::Ragdoll(assist) | Drive::Auto(assist) => Some(ragdoll::run(
-            body,
-            &anatomy,
-            &physique,
-            scenario,
-            &options,
-            &pushes,
-            &tosses,
-            (&carried, &loads),
-            assist,
-        )?),
-    };
-    if let Some(articulated) = &articulated {
-        trace = articulated.run.trace.clone();
-    }
     check(&trace)?;
     let acted = pushes.iter().zip(&trace.pushes);
-    let mut pushes: Vec<KnownPush> =
-        acted.map(|((push, _), acted)| KnownPush { force: acted.force, ..*push }).collect();
-    if let Some(driven) = &articulated {
-        balls = driven.balls();
-        pushes.extend(balls.iter().filter_map(|ball| ball.hit).map(|hit| hit.push));
-        pushes.sort_by(|a, b| a.start.total_cmp(&b.start));
-    }
+    let pushes: Vec<KnownPush> = acted.map(|((push, _), acted)| KnownPush { force: acted.force, ..*push }).collect();
     let scale = (physique.com_height / 0.96).sqrt();
     let count = ((whole(scenario, trace.dt) / trace.dt).round() as usize + 1).min(trace.ticks.len());
     let ticks = &trace.ticks[..count];
@@ -174,13 +154,9 @@ pub fn perform_over(
     let aloft = trace.aloft.filter(|_| trace.lost.is_none());
     let steps: Vec<Step> = trace.steps.iter().copied().chain(aloft).collect();
     let cop: Vec<DVec2> = ticks.iter().map(|tick| tick.cop).collect();
-    // An articulated body's feet leave when they leave.
-    let steps = match &articulated {
-        Some(_) => steps,
-        None => footing::sooner(&steps, &physique, &cop, trace.dt, scale),
-    };
+    let steps = footing::sooner(&steps, &physique, &cop, trace.dt, scale);
     let (start, mut steps) = footing::grounded(body, &terrain, &trace.start, &steps);
-    if terrain.is_flat() && articulated.is_none() {
+    if terrain.is_flat() {
         footing::roomier(&start, &mut steps, &physique);
     }
     let facing = ticks.last().map_or(0.0, |tick| tick.facing);
@@ -201,11 +177,7 @@ pub fn perform_over(
         let standing = script.physiques.get(index).unwrap_or(&physique).com_height;
         standing + bases[index] - ticks[index].crouched
     };
-    let real = articulated.is_some();
-    let path = ticks
-        .iter()
-        .enumerate()
-        .map(|(index, tick)| DVec3::new(tick.com.x, if real { tick.com.y } else { height(index) }, tick.com.z));
+    let path = ticks.iter().enumerate().map(|(index, tick)| DVec3::new(tick.com.x, height(index), tick.com.z));
     let mut com: Vec<DVec3> = path.collect();
     let blows = Blow::of(body, &anatomy, &physique, &pushes);
     let walks = matches!(over, Some(Over::Walk(_)));
@@ -232,14 +204,13 @@ pub fn perform_over(
         swivels: Default::default(),
         pelvis: [Vec::new(), Vec::new()],
         upper,
-        drawn: articulated.as_ref().map_or(Vec::new(), |run| run.run.upper[..count].to_vec()),
         feet: match &over {
             Some(Over::Stand(stood)) => curves.over(stood.feet_and_balls()),
             Some(Over::Walk(walked)) => curves.over_walk(body, walked.as_ref().clone()),
             None => curves,
         },
         over,
-        fallen: Vec::new(),
+        played: None,
         terrain,
         carried,
         loads,
@@ -304,15 +275,8 @@ pub fn perform_over(
         timeline.cut(held);
         lost = Some(timeline.stands());
     }
-    if let (Some(driven), true) = (&articulated, lost.is_some_and(|lost| lost <= scenario.duration)) {
-        // A step that never lands is shown as it was.
-        if let Some(lift) = driven.run.unlanded {
-            timeline.cut(((lift / timeline.dt).floor() as usize).max(4).min(timeline.com.len() - 1));
-        }
-        timeline.fall(&driven.run.poses);
-    }
     let contacts = timeline.feet.contacts(timeline.stands());
-    Ok(Performance { timeline, trace, lost, contacts, pushes, balls, physique, zmp_before_pass, articulated })
+    Ok(Performance { timeline, trace, lost, contacts, pushes, balls, physique, zmp_before_pass, articulated: None })
 }
 
 /// The lowering and the bends in the air that each other need: the swinging legs' mass moves the hips, and a hip that is lowered takes
@@ -401,7 +365,7 @@ fn walking(ticks: &[TickState], dt: f64, scale: f64) -> Vec<f64> {
     share.into_iter().map(smooth3).collect()
 }
 
-fn check(trace: &Trace) -> Result<(), BakeError> {
+pub(super) fn check(trace: &Trace) -> Result<(), BakeError> {
     for (index, tick) in trace.ticks.iter().enumerate() {
         let time = index as f64 * trace.dt;
         if !tick.com.is_finite() {
@@ -469,7 +433,7 @@ fn upper_body(
 }
 
 /// The stepper's dials from the scenario's.
-fn style(character: &Character) -> Style {
+pub(super) fn style(character: &Character) -> Style {
     Style {
         agility: character.agility,
         step_height: character.style.step_height,

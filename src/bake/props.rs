@@ -42,18 +42,22 @@ pub fn ground(timeline: &Timeline) -> Vec<Prop> {
 fn travelled(timeline: &Timeline) -> Patch {
     let mut low = DVec2::splat(f64::INFINITY);
     let mut high = DVec2::splat(f64::NEG_INFINITY);
-    for (index, com) in timeline.com.iter().enumerate() {
-        let time = index as f64 * timeline.dt;
-        let feet = Side::BOTH.map(|side| timeline.feet.at(side, time).ankle);
-        for point in feet.into_iter().chain([*com]).filter(|point| point.is_finite()) {
+    let mut take = |point: DVec3| {
+        if point.is_finite() {
             low = low.min(DVec2::new(point.x, point.z));
             high = high.max(DVec2::new(point.x, point.z));
         }
+    };
+    for (index, com) in timeline.com.iter().enumerate() {
+        let time = index as f64 * timeline.dt;
+        take(*com);
+        match &timeline.played {
+            Some(played) => played.ankles(&timeline.body, index).into_iter().for_each(&mut take),
+            None => Side::BOTH.map(|side| timeline.feet.at(side, time).ankle).into_iter().for_each(&mut take),
+        }
     }
-    for pose in &timeline.fallen {
-        low = low.min(DVec2::new(pose.hips.x, pose.hips.z));
-        high = high.max(DVec2::new(pose.hips.x, pose.hips.z));
-    }
+    let fallen = timeline.played.iter().flat_map(|played| played.fallen());
+    fallen.for_each(|pose| take(pose.hips));
     if !(low + high).is_finite() {
         (low, high) = (DVec2::ZERO, DVec2::ZERO);
     }

@@ -1,7 +1,6 @@
 //! The articulated body at the wheel: which scenarios it can play, and how much help it gets.
 //!
-//! Its run leaves the stepper's kind of trace; the passes of the bake then lock the feet and keep the balance as they do for
-//! the stepper's. From where balance is lost on the clip shows the links as they fall. Scenario space, SI.
+//! Its run leaves the stepper's kind of trace, and the links' poses; [`super::played`] makes them a clip. Scenario space, SI.
 
 use super::carried::{self, Carried};
 use super::throws::{Ball, Hit, Toss};
@@ -36,8 +35,6 @@ pub enum Helped {
     Within(Assist),
     /// As little as recovers, at most 300 N m and 300 N; none where no help does.
     Auto,
-    /// The same from that rung of the ladder on.
-    From(usize),
 }
 
 /// A run and the bound that it had.
@@ -47,8 +44,6 @@ pub struct Driven {
     pub run: Articulated,
     /// The bound of its help.
     pub bound: Assist,
-    /// The next rung of help, where the tool chose this one and there is a next.
-    pub next: Option<usize>,
     /// Why it was given that help and not less, for a person, where there is more to say than that less does not recover.
     pub why: Option<String>,
 }
@@ -125,19 +120,16 @@ pub(super) fn run(
     let once = |bound: Assist| -> Result<Driven, BakeError> {
         let run = simulate_with(body, anatomy, physique, &terrain, options, pushes, bound, &things)
             .map_err(|broken| BakeError::BrokeDown { time: broken.time, what: broken.what })?;
-        Ok(Driven { run, bound, next: None, why: None })
+        Ok(Driven { run, bound, why: None })
     };
     let scale = physique.mass / 89.5;
-    let from = match helped {
-        Helped::Within(bound) => return once(bound),
-        Helped::Auto => 0,
-        Helped::From(rung) => rung,
-    };
+    if let Helped::Within(bound) = helped {
+        return once(bound);
+    }
     let mut least = None;
-    for (rung, [torque, force]) in TRIES.into_iter().enumerate().skip(from) {
-        let mut driven = once(Assist { torque: torque * scale, force: force * scale })?;
+    for [torque, force] in TRIES {
+        let driven = once(Assist { torque: torque * scale, force: force * scale })?;
         if driven.run.trace.lost.is_none() {
-            driven.next = Some(rung + 1).filter(|next| *next < TRIES.len());
             return Ok(driven);
         }
         least.get_or_insert(driven);

@@ -178,8 +178,7 @@ fn need_at(timeline: &Timeline, index: usize, pose: &Solved) -> f64 {
         }
         let leg = timeline.anatomy.legs[side as usize].length();
         let landed = 1.0 - smooth3(timeline.feet.since_landing(side, time) / LANDING);
-        // An articulated body bends the knees that it lands on itself.
-        let bend = if timeline.drawn.is_empty() { LANDING_BEND * (1.0 - walking) } else { 0.0 };
+        let bend = LANDING_BEND * (1.0 - walking);
         // A base clip may stand on straighter legs; nothing is asked of it before it is disturbed.
         let calm = 1.0 - smooth3((time - timeline.still_until) / UNBENDS);
         let straightest = timeline.over.as_ref().map_or(0.0, |over| over.reach(side) + 1e-4 + 0.02 * calm);

@@ -6,12 +6,13 @@
 use super::base;
 use super::contacts::{self, FootContact};
 use super::perform::Performance;
+use super::played::drift;
 use super::ragdoll::{self, Driven};
 use super::root_motion::RootMotion;
 use crate::maths::pendulum::GRAVITY;
 use crate::measure::{Findings, Frame, KnownPush, Motion, PushPoint, Setting, measure_in};
 use crate::model::report::{
-    Assist, BaseReport, BodyReport, Contact, Disturbance, Event, JointTorque, Outcome, Plausibility,
+    Assist, BaseReport, BodyReport, Contact, Disturbance, Drift, Event, JointTorque, Outcome, Plausibility,
 };
 use crate::model::scenario::{GroundKind, Scenario};
 use crate::model::{Body, BodyPose, Clip, ClipReport, Role, Side};
@@ -46,7 +47,7 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
     let mut poses = read_back(input);
     let hz = input.clip.fps * PER_FRAME as f64;
     // Who falls is measured while the feet carry.
-    let falls = !performance.timeline.fallen.is_empty();
+    let falls = performance.timeline.falls();
     if falls {
         poses.truncate(((performance.timeline.stands() * hz).floor() as usize + 1).max(5));
     }
@@ -115,6 +116,7 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
         }),
         torques: performance.articulated.as_ref().map_or(Vec::new(), torques),
         plausibility,
+        drift: drift(performance, &poses, hz),
         base,
         looped: None,
     };
@@ -123,6 +125,15 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
     warnings.extend(footless);
     warnings.extend(strayed);
     (report, findings, warnings)
+}
+
+/// How far the keys' poses are from the run's, while it stands.
+fn drift(performance: &Performance, poses: &[BodyPose], hz: f64) -> Option<Drift> {
+    let (timeline, played) = (&performance.timeline, performance.timeline.played.as_ref()?);
+    let times = (0..poses.len()).map(|sample| sample as f64 / hz).take_while(|time| *time <= timeline.stands() + 1e-9);
+    let off = |(time, pose)| drift::between(&timeline.body, played.joints(), &played.run_at(time), pose);
+    let most = times.zip(poses).map(off).fold(drift::Drift::default(), drift::Drift::or);
+    Some(Drift { position_mm: 1000.0 * most.place, angle_deg: most.turn.to_degrees() })
 }
 
 /// What the joints gave, the hardest worked first.
@@ -176,6 +187,24 @@ pub(super) fn told(rig: &Rig, contact: &FootContact, frame: Frame, slip_mm: f64)
 /// s, between contacts that follow on one another.
 const SAME: f64 = 1e-4;
 
+/// From when to when a foot stands, s: as the body's run had it, whose feet may also stand without holding still; else as the
+/// clip's contacts say, which leave sooner than the simulated ones where nothing rests on them.
+fn stood(performance: &Performance, side: Side) -> Vec<[f64; 2]> {
+    if let (Some(driven), true) = (&performance.articulated, performance.timeline.played.is_some()) {
+        let stands = performance.timeline.stands();
+        let clipped = |[down, up]: [f64; 2]| [down, if up < stands - SAME { up } else { f64::INFINITY }];
+        return driven.run.stood[side as usize].iter().copied().map(clipped).collect();
+    }
+    let mut spans: Vec<[f64; 2]> = Vec::new();
+    for contact in performance.contacts.iter().filter(|contact| contact.side == side) {
+        match spans.last_mut() {
+            Some(span) if contact.start - span[1] <= SAME => span[1] = contact.end,
+            _ => spans.push([contact.start, contact.end]),
+        }
+    }
+    spans
+}
+
 /// `fallen`, `rest_from`: s, when the clip is measured to have fallen, and since when it has been at rest at the end.
 fn events(performance: &Performance, (fallen, rest_from): (Option<f64>, Option<f64>), duration: f64) -> Vec<Event> {
     let mut events = Vec::new();
@@ -189,16 +218,13 @@ fn events(performance: &Performance, (fallen, rest_from): (Option<f64>, Option<f
         event(push.start, "push_start", None);
         event(push.end, "push_end", None);
     }
-    // As the clip's feet go, which leave sooner than the simulated ones where nothing rests on them.
     for side in Side::BOTH {
-        let own: Vec<_> = performance.contacts.iter().filter(|contact| contact.side == side).collect();
-        for (index, contact) in own.iter().enumerate() {
-            let follows = index.checked_sub(1).map(|before| contact.start - own[before].end);
-            if follows.is_some_and(|gap| gap > SAME) {
-                event(contact.start, "foot_down", Some(side));
+        for (index, [down, up]) in stood(performance, side).into_iter().enumerate() {
+            if index > 0 {
+                event(down, "foot_down", Some(side));
             }
-            if own.get(index + 1).map_or(duration, |next| next.start) - contact.end > SAME {
-                event(contact.end, "foot_up", Some(side));
+            if up < duration - SAME {
+                event(up, "foot_up", Some(side));
             }
         }
     }
@@ -294,7 +320,7 @@ fn warnings(input: &ReportInput, outcome: Outcome, fallen: Option<f64>) -> Vec<S
     };
     let remedy = if articulated { "more --assist" } else { "a higher agility" };
     match (outcome, lost) {
-        (Outcome::Fall, Some(lost)) if !performance.timeline.fallen.is_empty() => {
+        (Outcome::Fall, Some(lost)) if performance.timeline.falls() => {
             warnings.push(format!(
                 "balance is lost at {lost:.2} s and the character falls. {milder} or {remedy} stays up"
             ));

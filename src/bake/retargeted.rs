@@ -195,6 +195,7 @@ fn report(
         duration: clip.duration,
         seed: 0,
         root_motion: options.root.name().into(),
+        drift: None,
         base: None,
         looped: None,
         drive: "retarget".into(),

@@ -6,18 +6,15 @@
 use super::base::Over;
 use super::carried::{self, Carried};
 use super::feet::FootCurves;
-use crate::maths::curve::{sample, smooth3};
-use crate::maths::quat::rotation_vector;
+use super::played::Played;
+use crate::maths::curve::sample;
 use crate::model::{Body, BodyPose, Load, Side, Terrain};
-use crate::sim::articulated::UpperPose;
+use crate::stepper::{Physique, Plant, Step};
 use crate::whole_body::reaction::{UPPER, UpperAngles, upper_turns};
 use crate::whole_body::solve::Solved;
-use crate::whole_body::{Anatomy, ArmAngles, FootTarget, PoseTarget, Solver};
+use crate::whole_body::{Anatomy, FootTarget, PoseTarget, Solver};
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
-
-/// s, in which a fall's poses are joined to those before.
-const JOINED: f64 = 0.25;
 
 /// Everything that a pose is made of, over the run.
 #[derive(Clone, Debug)]
@@ -48,12 +45,10 @@ pub struct Timeline {
     pub pelvis: [Vec<f64>; 2],
     /// Upper body and pelvis.
     pub upper: Vec<UpperAngles>,
-    /// Upper body and pelvis as an articulated body moved them, instead of `upper`; empty where none did.
-    pub drawn: Vec<UpperPose>,
-    /// Poses after the last entry, `dt` apart, of a body that falls; empty where none does.
-    pub fallen: Vec<BodyPose>,
-    /// Both feet.
+    /// Both feet, by their steps.
     pub feet: FootCurves,
+    /// What is shown instead of all that where an articulated body moves: its run. The series but `com` are empty then.
+    pub played: Option<Played>,
     /// What they stand on.
     pub terrain: Terrain,
     /// The base clip that all this is laid over.
@@ -65,34 +60,52 @@ pub struct Timeline {
 }
 
 impl Timeline {
+    /// Of an articulated body's run, whose centre of mass (m) is known at its ticks and whose feet took those steps.
+    pub(super) fn played(
+        body: &Body,
+        anatomy: Anatomy,
+        (dt, com): (f64, Vec<DVec3>),
+        (physique, start, steps): (&Physique, &[Plant; 2], &[Step]),
+        terrain: &Terrain,
+        played: Played,
+    ) -> Timeline {
+        let scale = (physique.com_height / 0.96).sqrt();
+        Timeline {
+            body: body.clone(),
+            anatomy,
+            dt,
+            still_until: 0.0,
+            surprises: Vec::new(),
+            com,
+            shift: Vec::new(),
+            lowering: Vec::new(),
+            walking: Vec::new(),
+            bends: Default::default(),
+            swivels: Default::default(),
+            pelvis: Default::default(),
+            upper: Vec::new(),
+            feet: FootCurves::new(body, physique, start, steps, 0.0, scale, terrain),
+            played: Some(played),
+            terrain: terrain.clone(),
+            over: None,
+            carried: Vec::new(),
+            loads: Vec::new(),
+        }
+    }
+
     /// s, the end of it all.
     pub fn duration(&self) -> f64 {
-        self.stands() + self.fallen.len() as f64 * self.dt
+        self.played.as_ref().map_or(self.stands(), Played::duration)
+    }
+
+    /// Whether it goes on after the last entry, as a fall.
+    pub fn falls(&self) -> bool {
+        self.played.as_ref().is_some_and(Played::falls)
     }
 
     /// s, the time of the last entry of the series: from there on it falls, or ends.
     pub fn stands(&self) -> f64 {
         (self.com.len() - 1) as f64 * self.dt
-    }
-
-    /// Goes on after the last entry as an articulated body falls, whose poses stand on the same times from 0 on: what the two
-    /// differ by where they meet is let go within a moment.
-    pub fn fall(&mut self, poses: &[BodyPose]) {
-        let last = self.com.len() - 1;
-        let Some(met) = poses.get(last) else { return };
-        let pose = self.pose_at(self.stands());
-        let hips = pose.hips - met.hips;
-        let turns: Vec<DVec3> =
-            pose.turns.iter().zip(&met.turns).map(|(drawn, real)| rotation_vector(*drawn * real.inverse())).collect();
-        self.fallen = poses[last + 1..]
-            .iter()
-            .enumerate()
-            .map(|(index, real)| {
-                let left = 1.0 - smooth3((index + 1) as f64 * self.dt / JOINED);
-                let turn = |(real, by): (&DQuat, &DVec3)| (DQuat::from_scaled_axis(*by * left) * *real).normalize();
-                BodyPose { hips: real.hips + hips * left, turns: real.turns.iter().zip(&turns).map(turn).collect() }
-            })
-            .collect();
     }
 
     /// Ends it at an entry.
@@ -107,7 +120,6 @@ impl Timeline {
             .chain(&mut self.pelvis)
             .for_each(|series| series.truncate(last + 1));
         self.upper.truncate(last + 1);
-        self.drawn.truncate(last + 1);
     }
 
     /// The target at one entry.
@@ -132,6 +144,21 @@ impl Timeline {
         self.assemble(com, &upper, time)
     }
 
+    /// m, the centre of mass at any time until the last entry.
+    pub fn com_at(&self, time: f64) -> DVec3 {
+        if self.played.is_some() { sample(&self.com, self.dt, time) } else { self.target_at(time).com }
+    }
+
+    /// m, the centre of mass at every entry, and on through a fall.
+    pub fn centres(&self) -> Vec<DVec3> {
+        let Some(played) = &self.played else {
+            let moved = self.com.iter().zip(&self.shift).zip(&self.lowering);
+            return moved.map(|((com, shift), lowering)| *com + *shift - DVec3::Y * *lowering).collect();
+        };
+        let fallen = played.fallen().iter().map(|pose| pose.centre_of_mass(&self.body, &pose.positions(&self.body)));
+        self.com.iter().copied().chain(fallen).collect()
+    }
+
     /// Poses at every entry, and what each solve reports. An entry's is its own affair: within a pool of threads they are shared
     /// out, and come out the same.
     pub fn solve_all(&self) -> Vec<Solved> {
@@ -148,19 +175,8 @@ impl Timeline {
 
     /// The pose at any time.
     pub fn pose_at(&self, time: f64) -> BodyPose {
-        let past = (time - self.stands()) / self.dt;
-        if let (Some(last), true) = (self.fallen.len().checked_sub(1), past > 1e-9) {
-            let index = (past.ceil() as usize - 1).min(last);
-            let share = (past - index as f64).clamp(0.0, 1.0);
-            let to = &self.fallen[index];
-            let from = match index.checked_sub(1) {
-                Some(before) => self.fallen[before].clone(),
-                None => self.pose_at(self.stands()),
-            };
-            return BodyPose {
-                hips: from.hips.lerp(to.hips, share),
-                turns: from.turns.iter().zip(&to.turns).map(|(from, to)| from.slerp(*to, share)).collect(),
-            };
+        if let Some(played) = &self.played {
+            return played.pose_at(&self.body, &self.anatomy, &self.terrain, time);
         }
         self.solved(&mut Solver::new(&self.body, &self.anatomy), &self.target_at(time), time).pose
     }
@@ -173,28 +189,8 @@ impl Timeline {
         }
     }
 
-    /// The articulated body's upper body at a time, between its ticks by slerp.
-    fn drawn_at(&self, time: f64) -> Option<(DQuat, DQuat, DQuat, [ArmAngles; 2])> {
-        let last = self.drawn.len().checked_sub(1)?;
-        let place = (time / self.dt).clamp(0.0, last as f64);
-        let (a, b) = (&self.drawn[place.floor() as usize], &self.drawn[place.ceil() as usize]);
-        let share = place.fract();
-        let between = |from: f64, to: f64| from + (to - from) * share;
-        let arms = [0, 1].map(|side| {
-            let (a, b) = (&a.arms[side], &b.arms[side]);
-            ArmAngles {
-                raise: between(a.raise, b.raise),
-                abduct: between(a.abduct, b.abduct),
-                inward: between(a.inward, b.inward),
-                elbow: between(a.elbow, b.elbow),
-                curl: between(a.curl, b.curl),
-            }
-        });
-        Some((a.pelvis.slerp(b.pelvis, share), a.chest.slerp(b.chest, share), a.head.slerp(b.head, share), arms))
-    }
-
     fn assemble(&self, com: DVec3, upper: &UpperAngles, time: f64) -> PoseTarget {
-        let (pelvis, chest, head, arms) = self.drawn_at(time).unwrap_or_else(|| upper_turns(upper));
+        let (pelvis, chest, head, arms) = upper_turns(upper);
         let feet = Side::BOTH.map(|side| {
             let bends = &self.bends[side as usize];
             let free = !bends.is_empty() && self.feet.freedom(side, time) > 0.0;

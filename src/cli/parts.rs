@@ -152,6 +152,7 @@ fn foreign(rig: &Rig, clip: &Clip) -> ClipReport {
         assist: Assist::default(),
         torques: Vec::new(),
         plausibility: Plausibility::default(),
+        drift: None,
         base: None,
         looped: None,
     }

@@ -102,6 +102,7 @@ pub(crate) mod tests {
             assist: Assist::default(),
             torques: Vec::new(),
             plausibility: Plausibility::default(),
+            drift: None,
             base: None,
             looped: None,
         }

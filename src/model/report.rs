@@ -28,6 +28,9 @@ pub struct ClipReport {
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub torques: Vec<JointTorque>,
     pub plausibility: Plausibility,
+    /// Of a ragdoll's clip: how far it is from the body's run, falls apart.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub drift: Option<Drift>,
     /// Where it starts from and returns to.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub base: Option<BaseReport>,
@@ -165,6 +168,14 @@ pub struct JointTorque {
     pub peak_nm: f64,
     /// Of the most that a joint may give, 0..1.
     pub share: f64,
+}
+
+/// The joint that is the farthest from where the body's run had it, and the one that is turned the most against it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "plain")]
+pub struct Drift {
+    pub position_mm: f64,
+    pub angle_deg: f64,
 }
 
 /// Measured on the exported keys.

@@ -204,6 +204,12 @@ impl Figure {
         (0..self.link_of.len()).rev().find(below).unwrap_or(own)
     }
 
+    /// The body's joint that each link turns about.
+    pub fn joints(&self) -> Vec<usize> {
+        let own = |link: usize| self.link_of.iter().position(|owner| *owner == link).unwrap_or(0);
+        (0..self.links.len()).map(own).collect()
+    }
+
     /// The role of the joint that a link turns about.
     pub fn role_of(&self, link: usize) -> Role {
         let joint = self.link_of.iter().position(|owner| *owner == link);

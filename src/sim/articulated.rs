@@ -30,19 +30,6 @@ const GIVES_WAY: f64 = 0.82;
 const LONGEST_FALL: f64 = 2.5;
 const LIES: (f64, f64) = (0.3, 0.08);
 
-/// The upper body at a tick: what a pose is made of beside its feet and its centre of mass.
-#[derive(Clone, Copy, Debug)]
-pub struct UpperPose {
-    /// Global turn of the pelvis from its upright rest.
-    pub pelvis: DQuat,
-    /// Of the upper trunk.
-    pub chest: DQuat,
-    /// Of the head.
-    pub head: DQuat,
-    /// Left and right.
-    pub arms: [ArmAngles; 2],
-}
-
 /// What the pelvis was given that no contact supplied.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Help {
@@ -57,8 +44,6 @@ pub struct Help {
 pub struct Articulated {
     /// As of the stepper.
     pub trace: Trace,
-    /// One a tick.
-    pub upper: Vec<UpperPose>,
     /// What the pelvis was given.
     pub help: Help,
     /// N m, the largest torque that a joint gave.
@@ -67,10 +52,14 @@ pub struct Articulated {
     pub torques: Vec<(Role, f64)>,
     /// N m, what each of them gave at every tick, in the same order.
     pub torque_curves: Vec<Vec<f32>>, // (joints × ticks)
-    /// The body as the links stand, one a tick and on through the fall; empty where there is none.
+    /// The body as the links stand, one a tick and on through the fall.
     pub poses: Vec<BodyPose>,
-    /// s, when the foot was lifted that never stood again before the fall.
-    pub unlanded: Option<f64>,
+    /// N s, what the ground pressed on each foot in the 10 ms before each tick, left and right.
+    pub pressed: Vec<[f64; 2]>,
+    /// The body's joint that each link turns about, the root's first.
+    pub joints: Vec<usize>,
+    /// s, from when to when each foot stood, left and right, as far as the run was asked for: between two of them it was up.
+    pub stood: [Vec<[f64; 2]>; 2],
     /// The balls that were thrown.
     pub balls: Vec<Flown>,
 }
@@ -181,10 +170,10 @@ fn attempt(
             arm: 0.0,
         })
         .collect();
-    let mut record = Record::new(plants);
+    let mut record = Record::new(plants, &figure);
     let mut rest = 0.0;
     let mut lost = None;
-    let mut poses = Vec::new();
+    let (mut poses, mut pressed) = (Vec::new(), Vec::new());
     for tick in 0..=most {
         let time = tick as f64 * options.dt;
         if tick > planned && rest >= 0.5 {
@@ -197,6 +186,8 @@ fn attempt(
         run.control.order = (things.walk)(time);
         let report = run.control.tick(model, &mut run.world, &ground);
         poses.push(pose_of(&figure, run.control.states()));
+        let on_feet = figure.legs.map(|leg| run.world.pressed(leg[2]));
+        pressed.push(on_feet);
         let facing = yaw_of(run.control.states()[0].turn);
         for push in acting.iter_mut().filter(|push| push.turns && push.start < time + options.dt - 1e-9) {
             push.force = DQuat::from_rotation_y(facing) * push.force;
@@ -205,7 +196,7 @@ fn attempt(
         let (force, moment) = run.push(&figure, body, &acting, pushes, time, report.com);
         let (hit, hit_moment) = run.balls.felt(report.com, options.dt);
         let (force, moment) = (force + hit, moment + hit_moment);
-        record.tick(&figure, &run.control, &report, (force, moment), &ground, time);
+        record.tick(&figure, &run.control, &report, (force, moment), &ground, on_feet.map(|n| n / options.dt), time);
         let state = record.ticks.last().expect("just recorded");
         let angles = reaction.tick(&senses(state), options.dt);
         let (_, _, _, arms) = upper_turns(&angles);
@@ -226,11 +217,15 @@ fn attempt(
         run.step(&figure, terrain, time)?;
         run.balls.watch(&figure, body, &run.states, &run.world, time + options.dt);
     }
-    if lost.is_none() {
-        poses.clear();
-    }
     let balls = run.balls.finish();
-    Ok(Articulated { poses, balls, ..record.finish(options.dt, acting, lost, rest, terrain) })
+    let joints = figure.joints();
+    Ok(Articulated {
+        poses,
+        pressed,
+        joints,
+        balls,
+        ..record.finish(options.dt, acting, (lost, rest), terrain, options.duration)
+    })
 }
 
 /// The stand with the soles on ground that is not flat.

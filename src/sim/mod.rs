@@ -9,6 +9,7 @@ pub mod trace;
 
 pub use articulated::{Articulated, Help, Things, simulate_articulated, simulate_with};
 pub use balls::{Flown, Incoming, Struck};
+pub use record::PRESSED;
 pub use script::Script;
 pub use session::{Session, SessionPush, SimulateOptions, simulate, simulate_pushes};
 pub use trace::{TickState, Trace};

@@ -1,61 +1,70 @@
-//! What is kept of an articulated run: ticks, steps between the places where the feet stood, the upper body without jitter.
+//! What is kept of an articulated run: ticks, when each foot stood, and the steps between the places where it did.
 //!
-//! Scenario space, SI. Feet that slid or were dragged along are kept as steps: a clip's foot holds still or is lifted.
+//! Scenario space, SI. A foot stands while the ground presses on it and it does not slide along; it has been up where it cleared the
+//! ground or went on. Nothing is added: a step is a foot that went, a foot that is dragged while it bears takes none.
 
-use super::articulated::{Articulated, Help, UpperPose};
+use super::articulated::{Articulated, Help};
 use super::{SessionPush, TickState, Trace};
-use crate::maths::filter::zero_lag;
-use crate::maths::quat::{rotation_vector, yaw_of};
+use crate::maths::pendulum::GRAVITY;
+use crate::maths::quat::yaw_of;
 use crate::model::{Plant, Role, Side, Terrain};
 use crate::ragdoll::control::Report;
-use crate::ragdoll::{Controller, Figure, LinkState, walk};
+use crate::ragdoll::{Controller, Figure, walk};
 use crate::stepper::footing::to_ground;
 use crate::stepper::{Phase, Step, StepKind};
 use crate::whole_body::ArmAngles;
-use crate::whole_body::stand::{self, relaxed_arms};
-use glam::{DQuat, DVec3, EulerRot};
+use glam::{DQuat, DVec2, DVec3};
 
-/// Hz, above which the links' turns are jitter.
-const JITTER: f64 = 9.0;
 /// s after a landing until a sole has settled.
 const SETTLED: f64 = 0.06;
-/// s and m/s: a bearing foot whose mean speed over that long before and after is higher drags.
-const DRAG_SPAN: f64 = 0.05;
-/// As [`DRAG_SPAN`] says.
-const DRAG_SPEED: f64 = 0.12;
-/// s, a foot that stands for less did not stand.
-const HARDLY: f64 = 0.14;
-/// m, shorter drags are left out: the foot stands in their mean.
-const DRAGGED: f64 = 0.025;
+/// Share of the body's weight by which the ground presses on a foot that stands.
+pub const PRESSED: f64 = 0.01;
+/// m/s at legs of 0.83 m: a foot that swings and touches the ground at more only scuffs it.
+const SCUFFS: f64 = 0.15;
+/// m at legs of 0.83 m, from which height of its lowest corner on a foot is up.
+const CLEARED: f64 = 0.005;
+/// m at legs of 0.83 m: a foot that has gone so far without standing has been up too.
+const WENT: f64 = 0.03;
 
 /// What is kept of a run.
 pub(super) struct Record {
     pub(super) ticks: Vec<TickState>,
-    upper: Vec<UpperPose>,
     start: [Plant; 2],
+    soles: [Vec<Sole>; 2],
     bearing: [bool; 2],
-    swings: Vec<(Side, StepKind, f64, f64)>, // side, why, lift, land
-    lifted: [Option<(f64, StepKind)>; 2],
+    lifts: Vec<(Side, f64, StepKind)>, // as the law has them: side, s, why
+    size: f64,                         // legs over 0.83 m
     help: Help,
     torques: Vec<(Role, f64)>,
     torque_curves: Vec<Vec<f32>>, // (links × ticks)
 }
 
+/// A foot at a tick.
+#[derive(Clone, Copy, Debug)]
+struct Sole {
+    ankle: DVec3, // m, its ground point
+    lowest: f64,  // m, its lowest corner over the ground
+    pressed: bool,
+    bears: bool, // as the law has it
+}
+
 impl Record {
-    pub(super) fn new(start: [Plant; 2]) -> Record {
+    pub(super) fn new(start: [Plant; 2], figure: &Figure) -> Record {
         Record {
             ticks: Vec::new(),
-            upper: Vec::new(),
             start,
+            soles: [Vec::new(), Vec::new()],
             bearing: [true; 2],
-            swings: Vec::new(),
-            lifted: [None; 2],
+            lifts: Vec::new(),
+            size: figure.leg_length / 0.83,
             help: Help::default(),
             torques: Vec::new(),
             torque_curves: Vec::new(),
         }
     }
 
+    /// `pressed`: N, by the ground, left and right.
+    #[expect(clippy::too_many_arguments, reason = "one tick")]
     pub(super) fn tick(
         &mut self,
         figure: &Figure,
@@ -63,6 +72,7 @@ impl Record {
         report: &Report,
         (push, push_moment): (DVec3, DVec3),
         ground: &Terrain,
+        pressed: [f64; 2],
         time: f64,
     ) {
         let states = control.states();
@@ -75,20 +85,26 @@ impl Record {
             Plant { ankle, yaw, normal }
         });
         for side in Side::BOTH {
-            let bears = report.bears[side as usize];
-            if self.bearing[side as usize] && !bears {
+            let foot = side as usize;
+            let state = states[figure.legs[foot][2]];
+            let over = |corner: DVec3| {
+                let at = state.origin + state.turn * corner;
+                at.y - ground.spot(DVec2::new(at.x, at.z)).height
+            };
+            self.soles[foot].push(Sole {
+                ankle: feet[foot].ankle,
+                lowest: figure.soles[foot].map(over).into_iter().fold(f64::INFINITY, f64::min),
+                pressed: pressed[foot] > PRESSED * figure.mass * GRAVITY,
+                bears: report.bears[foot],
+            });
+            if self.bearing[foot] && !report.bears[foot] {
                 let comfort = control.swing.is_some_and(|swing| swing.comfort);
                 let kind = match comfort {
                     _ if control.gait.walks() => StepKind::Walk,
                     true => StepKind::Comfort,
                     false => StepKind::Corrective,
                 };
-                self.lifted[side as usize] = Some((time, kind));
-            } else if !self.bearing[side as usize]
-                && bears
-                && let Some((lift, kind)) = self.lifted[side as usize].take()
-            {
-                self.swings.push((side, kind, lift, time));
+                self.lifts.push((side, time, kind));
             }
         }
         self.bearing = report.bears;
@@ -113,7 +129,6 @@ impl Record {
             },
             crouched: 0.0,
         });
-        self.upper.push(upper(figure, states));
         let [torque, force] = report.help.map(DVec3::length);
         self.help.torque = [self.help.torque[0].max(torque), self.help.torque[1] + torque * torque];
         self.help.force = [self.help.force[0].max(force), self.help.force[1] + force * force];
@@ -128,22 +143,20 @@ impl Record {
         }
     }
 
+    /// `until`: s, the clip's end: what comes later is no part of the feet's stands.
     pub(super) fn finish(
         mut self,
         dt: f64,
         pushes: Vec<SessionPush>,
-        lost: Option<f64>,
-        rest: f64,
+        (lost, rest): (Option<f64>, f64),
         terrain: &Terrain,
+        until: f64,
     ) -> Articulated {
         let count = self.ticks.len().max(1) as f64;
         self.help.torque[1] = (self.help.torque[1] / count).sqrt();
         self.help.force[1] = (self.help.force[1] / count).sqrt();
-        self.lift_what_drags(dt, terrain);
-        let steps = self.steps(dt, terrain);
-        let upper = smooth(&self.upper, 1.0 / dt);
-        let aloft = self.lifted.iter().flatten().map(|(lift, _)| *lift).reduce(f64::min);
-        let unlanded = aloft.filter(|_| lost.is_some());
+        let stood = Side::BOTH.map(|side| self.stood(side, dt, until));
+        let steps = self.steps(&stood, dt, terrain);
         let trace = Trace { dt, ticks: self.ticks, steps, aloft: None, pushes, start: self.start, lost, rest };
         // The root's link has no joint.
         let joints = self.torques.into_iter().zip(self.torque_curves).skip(1);
@@ -152,70 +165,57 @@ impl Record {
         let (torques, torque_curves): (Vec<(Role, f64)>, _) = joints.into_iter().unzip();
         Articulated {
             trace,
-            upper,
             help: self.help,
             peak_torque: torques.first().map_or(0.0, |worst| worst.1),
             torques,
             torque_curves,
             poses: Vec::new(),
-            unlanded,
+            pressed: Vec::new(),
+            joints: Vec::new(),
+            stood,
             balls: Vec::new(),
         }
     }
 
-    /// A bearing foot that a stretched leg dragged along is drawn as a step from where the drag began to where it ended.
-    fn lift_what_drags(&mut self, dt: f64, terrain: &Terrain) {
-        let count = self.ticks.len();
-        let around = (DRAG_SPAN / dt).round().max(1.0) as usize;
-        let mut drawn = Vec::new();
-        for side in Side::BOTH {
-            let foot = side as usize;
-            let at = |index: usize| to_ground(&self.ticks[index].feet[foot], terrain.turn(index as f64 * dt)).ankle;
-            let drags = |index: usize| {
-                let (from, to) = (index.saturating_sub(around), (index + around).min(count - 1));
-                (from..=to).all(|index| self.ticks[index].planted[foot])
-                    && (at(to) - at(from)).length() > DRAG_SPEED * (to - from) as f64 * dt
-            };
-            let mut runs: Vec<[usize; 2]> = Vec::new();
-            for index in 0..count {
-                if drags(index) {
-                    match runs.last_mut() {
-                        Some(run) if index <= run[1] + 2 * around => run[1] = index,
-                        _ => runs.push([index, index]),
-                    }
-                }
-            }
-            for [from, to] in runs {
-                let (from, to) = (from.saturating_sub(around), (to + around).min(count - 1));
-                if (at(to) - at(from)).length() > DRAGGED {
-                    drawn.push((side, StepKind::Corrective, from as f64 * dt, to as f64 * dt));
-                }
+    /// From when to when a foot stood, s.
+    fn stood(&self, side: Side, dt: f64, until: f64) -> Vec<[f64; 2]> {
+        let soles = &self.soles[side as usize];
+        let count = soles.len().min((until / dt + 1e-9).floor() as usize + 1);
+        let soles = &soles[..count];
+        let Some(last) = count.checked_sub(1) else { return Vec::new() };
+        let slow = |index: usize| {
+            let (from, to) = (index.saturating_sub(1), (index + 1).min(last));
+            let way = soles[to].ankle.distance(soles[from].ankle);
+            way < SCUFFS * self.size.sqrt() * (to - from).max(1) as f64 * dt
+        };
+        // It stands from the start: the ground has not pressed yet.
+        let first = soles.iter().position(|sole| sole.pressed).unwrap_or(0);
+        let stands = |index: usize| index < first || (soles[index].pressed && (soles[index].bears || slow(index)));
+        let mut spans: Vec<[usize; 2]> = Vec::new();
+        for index in (0..count).filter(|index| stands(*index)) {
+            match spans.last_mut() {
+                Some(span) if !was_up(&soles[span[1]..=index], self.size) => span[1] = index,
+                _ => spans.push([index, index]),
             }
         }
-        self.swings.extend(drawn);
-        self.swings.sort_by(|a, b| a.2.total_cmp(&b.2));
-        // A foot that hardly stood between two swings did not stand.
-        let mut merged: Vec<(Side, StepKind, f64, f64)> = Vec::new();
-        for swing in std::mem::take(&mut self.swings) {
-            match merged.iter_mut().rev().find(|before| before.0 == swing.0) {
-                Some(before) if swing.2 < before.3 + HARDLY => before.3 = before.3.max(swing.3),
-                _ => merged.push(swing),
-            }
+        // What hovers by a hair at the end has not left.
+        if let Some(span) = spans.last_mut().filter(|span| !was_up(&soles[span[1]..], self.size)) {
+            span[1] = last;
         }
-        self.swings = merged;
+        spans.into_iter().map(|span| span.map(|index| index as f64 * dt)).collect()
     }
 
-    /// Steps between the places where the feet stood while they stood.
-    fn steps(&self, dt: f64, terrain: &Terrain) -> Vec<Step> {
-        let last = self.ticks.len() as f64 * dt;
+    /// Steps between the places where the feet stood.
+    fn steps(&self, stood: &[Vec<[f64; 2]>; 2], dt: f64, terrain: &Terrain) -> Vec<Step> {
         let mut steps: Vec<Step> = Vec::new();
         for side in Side::BOTH {
-            let own: Vec<_> = self.swings.iter().filter(|swing| swing.0 == side).collect();
             let mut from = self.start[side as usize];
-            for (index, (_, kind, lift, land)) in own.iter().enumerate() {
-                let until = own.get(index + 1).map_or(last, |next| next.2);
-                let to = self.stood(side, (land + SETTLED).min(until), until, dt, terrain);
-                steps.push(Step { side, kind: *kind, lift: *lift, land: *land, from, to });
+            for pair in stood[side as usize].windows(2) {
+                let ([_, lift], [land, until]) = (pair[0], pair[1]);
+                let to = self.plant(side, (land + SETTLED).min(until), until, dt, terrain);
+                let why = |entry: &&(Side, f64, StepKind)| entry.0 == side && entry.1 < land;
+                let kind = self.lifts.iter().rev().find(why).map_or(StepKind::Corrective, |entry| entry.2);
+                steps.push(Step { side, kind, lift, land, from, to });
                 from = to;
             }
         }
@@ -224,7 +224,7 @@ impl Record {
     }
 
     /// Where a foot stood between two times, in the mean, in the ground's frame.
-    fn stood(&self, side: Side, from: f64, to: f64, dt: f64, terrain: &Terrain) -> Plant {
+    fn plant(&self, side: Side, from: f64, to: f64, dt: f64, terrain: &Terrain) -> Plant {
         let last = self.ticks.len() - 1;
         let first = ((from / dt).round() as usize).min(last);
         let end = ((to / dt).round() as usize).clamp(first, last);
@@ -237,67 +237,12 @@ impl Record {
     }
 }
 
-/// The upper body's pose from the links.
-fn upper(figure: &Figure, states: &[LinkState]) -> UpperPose {
-    let lean = DQuat::from_rotation_x(stand::TRUNK_LEAN);
-    let trunk = states[figure.trunk].turn;
-    let head = figure.link_of_role(Role::Head).map_or(trunk, |link| states[link].turn);
-    let arms = Side::BOTH.map(|side| {
-        let [upper, lower] = figure.arms[side as usize];
-        let relaxed = relaxed_arms();
-        let against = trunk.inverse() * states[upper].turn;
-        let turned = lean.inverse() * against * lean * hung(side, &relaxed);
-        let (z, x, y) = turned.to_euler(EulerRot::ZXY);
-        let bend = match figure.links[lower].freedom {
-            crate::ragdoll::figure::Freedom::Hinge { axis, .. } => {
-                rotation_vector(states[upper].turn.inverse() * states[lower].turn).dot(axis)
-            }
-            _ => 0.0,
-        };
-        ArmAngles {
-            raise: -x,
-            abduct: side.sign() * z,
-            inward: -side.sign() * y,
-            elbow: relaxed.elbow + bend,
-            curl: relaxed.curl,
-        }
-    });
-    UpperPose { pelvis: states[0].turn, chest: trunk * lean, head, arms }
-}
-
-/// Without the contacts' jitter, and without lag.
-fn smooth(upper: &[UpperPose], hz: f64) -> Vec<UpperPose> {
-    let turned = |pick: &dyn Fn(&UpperPose) -> DQuat| -> Vec<DQuat> {
-        let vectors: Vec<DVec3> = upper.iter().map(|pose| rotation_vector(pick(pose))).collect();
-        zero_lag(&vectors, JITTER, hz).into_iter().map(DQuat::from_scaled_axis).collect()
-    };
-    let (pelvis, chest, head) = (turned(&|pose| pose.pelvis), turned(&|pose| pose.chest), turned(&|pose| pose.head));
-    let angle = |side: usize, pick: &dyn Fn(&ArmAngles) -> f64| -> Vec<f64> {
-        let series: Vec<f64> = upper.iter().map(|pose| pick(&pose.arms[side])).collect();
-        zero_lag(&series, JITTER, hz)
-    };
-    let arms = [0, 1].map(|side| {
-        [
-            angle(side, &|arm| arm.raise),
-            angle(side, &|arm| arm.abduct),
-            angle(side, &|arm| arm.inward),
-            angle(side, &|arm| arm.elbow),
-        ]
-    });
-    (0..upper.len())
-        .map(|index| UpperPose {
-            pelvis: pelvis[index],
-            chest: chest[index],
-            head: head[index],
-            arms: [0, 1].map(|side| ArmAngles {
-                raise: arms[side][0][index],
-                abduct: arms[side][1][index],
-                inward: arms[side][2][index],
-                elbow: arms[side][3][index],
-                curl: upper[index].arms[side].curl,
-            }),
-        })
-        .collect()
+/// Whether a foot was up between the first and the last of these.
+fn was_up(soles: &[Sole], size: f64) -> bool {
+    let Some(first) = soles.first() else { return false };
+    let between = &soles[1..soles.len().max(2) - 1];
+    let cleared = between.iter().any(|sole| sole.lowest > CLEARED * size);
+    cleared || between.iter().any(|sole| sole.ankle.distance(first.ankle) > WENT * size)
 }
 
 /// An upper arm's turn against the chest from hanging straight down.

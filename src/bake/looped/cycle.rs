@@ -318,7 +318,7 @@ fn apart(timeline: &Timeline, one: &Candidate, size: f64) -> (f64, Off) {
 fn off(timeline: &Timeline, from: f64, to: f64, travel: DVec3) -> Off {
     let speed = |time: f64| {
         let step = timeline.dt.min(0.5 * time);
-        (timeline.target_at(time).com - timeline.target_at(time - step).com) / step.max(1e-9)
+        (timeline.com_at(time) - timeline.com_at(time - step)) / step.max(1e-9)
     };
     let (a, b) = (timeline.pose_at(from), timeline.pose_at(to));
     let angle = a.turns.iter().zip(&b.turns).map(|(a, b)| a.angle_between(*b)).fold(0.0, f64::max);

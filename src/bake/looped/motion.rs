@@ -8,6 +8,7 @@ use super::cycle::{Cycle, airs, covers};
 use crate::bake::BakeError;
 use crate::bake::contacts::FootContact;
 use crate::bake::perform::Performance;
+use crate::bake::played::leg::{Foot, reach};
 use crate::bake::timeline::Timeline;
 use crate::maths::curve::smooth5;
 use crate::maths::quat::wrap_angle;
@@ -150,7 +151,7 @@ impl<'a> Looped<'a> {
         let Timeline { body, terrain, over, com, dt, .. } = self.timeline;
         let Cycle { start, period, travel, walks, .. } = self.cycle;
         let first = com.first().copied().unwrap_or_default();
-        let now = self.timeline.target_at(start).com;
+        let now = self.timeline.com_at(start);
         if !walks && DVec2::new(now.x - first.x, now.z - first.z).length() < STAYS {
             return self.place;
         }
@@ -194,6 +195,9 @@ impl<'a> Looped<'a> {
         let Timeline { body, anatomy, over, .. } = self.timeline;
         let (now, before) = (self.cycle.start + time, self.cycle.start + time - self.cycle.period);
         let share = smooth5(time / self.cycle.period);
+        if self.timeline.played.is_some() {
+            return self.replayed(now, before, share, time);
+        }
         let target = self.target(now, before, share, time);
         let mut solver = Solver::new(body, anatomy);
         match over {
@@ -204,6 +208,30 @@ impl<'a> Looped<'a> {
             }
         }
         .pose
+    }
+
+    /// Of a run that is played: its links' poses at both times, and each foot of the one or the other.
+    fn replayed(&self, now: f64, before: f64, share: f64, time: f64) -> BodyPose {
+        let Timeline { body, anatomy, .. } = self.timeline;
+        let travel = self.cycle.travel;
+        let (a, b) = (self.timeline.pose_at(now), self.timeline.pose_at(before));
+        let mut pose = BodyPose {
+            hips: a.hips.lerp(b.hips + travel, share),
+            turns: a.turns.iter().zip(&b.turns).map(|(a, b)| a.slerp(*b, share)).collect(),
+        };
+        let (of_a, of_b) = (a.positions(body), b.positions(body));
+        let positions = pose.positions(body);
+        for side in Side::BOTH {
+            let over = self.over[side as usize].map_or(0.0, |[from, to]| smooth5((time - from) / (to - from)));
+            let (a, b) = (Foot::of(body, &a, &of_a, side), Foot::of(body, &b, &of_b, side));
+            let wanted = Foot {
+                ankle: a.ankle.lerp(b.ankle + travel, over),
+                foot: a.foot.slerp(b.foot, over),
+                toe: a.toe.slerp(b.toe, over),
+            };
+            reach(body, anatomy, &mut pose, &positions, side, &wanted);
+        }
+        pose
     }
 
     fn target(&self, now: f64, before: f64, share: f64, time: f64) -> PoseTarget {

@@ -40,7 +40,7 @@ pub(super) fn tell(input: &Told, clip: &Clip, travelling: &Clip) -> (ClipReport,
     thrice.trace.lost = None;
     thrice.trace.steps = looped.steps.iter().map(|step| crate::stepper::Step { land: 0.0, ..*step }).collect();
     thrice.trace.ticks.truncate(thrice.timeline.com.len());
-    thrice.timeline.fallen = Vec::new();
+    thrice.timeline.played = None;
     thrice.timeline.loads = looped.loads(ROUNDS);
     if !looped.cycle.clips {
         thrice.timeline.over = None;

@@ -99,14 +99,11 @@ impl Tracks {
         let performance = &baked.performance;
         let timeline = &performance.timeline;
         let body = &timeline.body;
-        let whole = (0..timeline.com.len())
-            .map(|index| timeline.com[index] + timeline.shift[index] - DVec3::Y * timeline.lowering[index]);
-        let fallen = timeline.fallen.iter().map(|pose| pose.centre_of_mass(body, &pose.positions(body)));
         let mark = |contact: &FootContact| (*contact, sole(body, contact.side, contact.part, &contact.plant));
         let params = Params::new(&performance.physique, &Style::default());
         Tracks {
             dt: timeline.dt,
-            com: whole.chain(fallen).collect(),
+            com: timeline.centres(),
             cop: performance.trace.ticks.iter().map(|tick| tick.cop).collect(),
             contacts: performance.contacts.iter().map(mark).collect(),
             stands: stands(body, &performance.contacts),

@@ -1,0 +1,68 @@
+//! A scenario played by the articulated body: its run, and the clip's motion that is that run. Scenario space, SI.
+//!
+//! The stepper has no part in it.
+
+use super::{Played, Run};
+use crate::bake::perform::{Performance, check, style};
+use crate::bake::ragdoll::{self, Driven, Helped};
+use crate::bake::timeline::Timeline;
+use crate::bake::{BakeError, carried, pushes, throws};
+use crate::measure::KnownPush;
+use crate::model::scenario::Scenario;
+use crate::model::{Body, Terrain};
+use crate::sim::SimulateOptions;
+use crate::whole_body::{Anatomy, stand};
+
+/// Runs the scenario on a body with at most that help.
+pub fn perform(body: &Body, scenario: &Scenario, seed: u64, helped: Helped) -> Result<Performance, BakeError> {
+    let anatomy = Anatomy::new(body);
+    let physique = stand::physique(body, &anatomy);
+    let (carried, loads) = carried::carried(body, &anatomy, scenario);
+    let options = SimulateOptions {
+        duration: scenario.duration,
+        style: style(&scenario.character),
+        ..SimulateOptions::default()
+    };
+    let known = pushes::known(body, scenario);
+    let tosses = throws::tosses(scenario, seed);
+    let driven =
+        ragdoll::run(body, &anatomy, &physique, scenario, &options, &known, &tosses, (&carried, &loads), helped)?;
+    let trace = driven.run.trace.clone();
+    check(&trace)?;
+    let balls = driven.balls();
+    let acted = known.iter().zip(&trace.pushes);
+    let mut pushes: Vec<KnownPush> =
+        acted.map(|((push, _), acted)| KnownPush { force: acted.force, ..*push }).collect();
+    pushes.extend(balls.iter().filter_map(|ball| ball.hit).map(|hit| hit.push));
+    pushes.sort_by(|a, b| a.start.total_cmp(&b.start));
+    let terrain = Terrain::new(&scenario.ground);
+    let played = played(&driven, scenario.duration, (body, &anatomy), &terrain);
+    let contacts = played.contacts();
+    let (lost, com) = (trace.lost, trace.ticks[..=played.stands].iter().map(|tick| tick.com).collect());
+    let mut timeline =
+        Timeline::played(body, anatomy, (trace.dt, com), (&physique, &trace.start, &trace.steps), &terrain, played);
+    (timeline.carried, timeline.loads) = (carried, loads);
+    Ok(Performance {
+        timeline,
+        trace,
+        lost,
+        contacts,
+        pushes,
+        balls,
+        physique,
+        zmp_before_pass: Vec::new(),
+        articulated: Some(driven),
+    })
+}
+
+/// The run up to the clip's end; a fall that begins before it goes on until the body lies.
+fn played(driven: &Driven, duration: f64, (body, anatomy): (&Body, &Anatomy), terrain: &Terrain) -> Played {
+    let run = &driven.run;
+    let dt = run.trace.dt;
+    let whole = (duration / dt).round().max(0.0) as usize;
+    let stands = whole.min(run.trace.ticks.len().min(run.poses.len()).saturating_sub(1));
+    let falls = run.trace.lost.is_some_and(|lost| lost <= duration);
+    let last = if falls { run.poses.len() } else { stands + 1 };
+    let input = Run { body, anatomy, terrain, dt, pressed: &run.pressed, stood: &run.stood, joints: &run.joints };
+    Played::new(&input, run.poses[..last].to_vec(), stands)
+}
