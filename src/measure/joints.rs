@@ -64,6 +64,8 @@ pub struct JointFindings {
     pub knee_past_straight: f64,
     /// In the order of joints, then of time.
     pub pops: Vec<Pop>,
+    /// One a sample: whether any angle is beyond its range then by more than the tolerance.
+    pub beyond: Vec<bool>,
 }
 
 /// Measures them.
@@ -78,6 +80,7 @@ pub fn joints(track: &Track) -> JointFindings {
     for (sample, pose) in track.motion.poses.iter().enumerate() {
         angles.clear();
         neutral.angles(body, pose, &mut angles);
+        let mut beyond = false;
         for ((angle, rest), worst) in angles.iter().zip(&bounds).zip(&mut worst) {
             let is_knee = matches!(angle.role, Role::LeftLowerLeg | Role::RightLowerLeg);
             if is_knee {
@@ -86,10 +89,12 @@ pub fn joints(track: &Track) -> JointFindings {
             let low = if is_knee { angle.range[0] } else { angle.range[0].min(rest.value) };
             let high = angle.range[1].max(rest.value);
             let by = (low - angle.value).max(angle.value - high);
+            beyond |= by > LIMIT_TOLERANCE;
             if by > LIMIT_TOLERANCE && worst.is_none_or(|worst| by > worst.by) {
                 *worst = Some(Excess { angle: *angle, by, time: track.motion.time(sample) });
             }
         }
+        found.beyond.push(beyond);
     }
     found.excesses = worst.into_iter().flatten().collect();
     found.pops = pops(track);
