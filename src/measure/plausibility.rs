@@ -184,7 +184,8 @@ impl Findings {
             joint_excess_deg: self.joints.excesses.iter().map(|excess| excess.by.to_degrees()).fold(0.0, f64::max),
             joint_excess_share: self.moving.share(&self.joints.beyond),
             pops: self.joints.pops.len() as u32,
-            pops_deg: self.joints.pops.iter().map(|pop| pop.step.to_degrees()).sum(),
+            // Summed from 0: a sum of none is -0.
+            pops_deg: self.joints.pops.iter().fold(0.0, |sum, pop| sum + pop.step.to_degrees()),
             end_stance_mm: self.end_stance.filter(|_| !self.falls).map_or(0.0, |end| 1000.0 * end.off / self.leg_scale),
             falls: self.falls,
             notes: self.notes(),
@@ -326,7 +327,7 @@ mod tests {
                 DVec3::new(0.3 * ease(0.5, 1.0) - 0.28 * ease(1.3, 2.0), -0.02 * ease(0.5, 0.6), 0.1 * ease(0.5, 0.7));
             let cross = glam::DQuat::from_rotation_z(-0.6 * ease(0.8, 1.2) + 0.25 * ease(1.3, 2.0));
             (hip..hip + 4).for_each(|joint| pose.turns[joint] = cross);
-            let bend = -3.3 * ease(0.9, 1.1) + if time > 1.5 { 0.4 } else { 0.0 } + 2.9 * ease(1.5, 2.0);
+            let bend = -3.3 * ease(0.9, 1.1) + if time > 1.5 { 0.4 } else { 0.0 } + 2.9 * ease(1.7, 2.3);
             (arm..arm + 3).for_each(|joint| pose.turns[joint] = glam::DQuat::from_rotation_x(bend));
         });
         (body, poses)
