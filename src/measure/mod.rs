@@ -19,6 +19,7 @@ pub mod moving;
 mod notes;
 pub mod outcome;
 pub mod plausibility;
+pub mod pops;
 pub mod residual;
 pub mod score;
 pub mod stance;
