@@ -57,7 +57,14 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
     let crouched = performance.trace.ticks.iter().map(|tick| tick.crouched).fold(0.0, f64::max);
     let crouched = crouched - performance.trace.ticks.first().map_or(0.0, |tick| tick.crouched);
     let setting = Setting { terrain, loads: &performance.timeline.loads, crouched };
-    let findings = measure_in(motion, &setting, &held, &performance.pushes);
+    let mut findings = measure_in(motion, &setting, &held, &performance.pushes);
+    let duration = input.clip.duration;
+    let steps = performance.trace.steps.iter().filter(|step| step.land <= duration).count() as u32;
+    let outcome = outcome(performance, findings.as_ref(), steps, duration);
+    if let Some(found) = &mut findings {
+        // A fall may begin where what is measured ends.
+        found.falls = outcome == Outcome::Fall;
+    }
     let mut plausibility = findings.as_ref().map_or_else(Plausibility::default, Findings::plausibility);
     if input.root == RootMotion::InPlace {
         plausibility.notes.push("measured with the travel that in-place leaves out".into());
@@ -79,9 +86,6 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
     let strayed = performance.articulated.as_ref().and_then(|_| ragdoll::strayed(input.scenario, performance));
     plausibility.notes.extend(strayed.clone());
     let fallen = findings.as_ref().and_then(|findings| findings.balance.fallen);
-    let duration = input.clip.duration;
-    let steps = performance.trace.steps.iter().filter(|step| step.land <= duration).count() as u32;
-    let outcome = outcome(performance, findings.as_ref(), steps, duration);
     let slips: Vec<f64> =
         findings.as_ref().map(|f| f.feet.slips.iter().map(|slip| slip.mm).collect()).unwrap_or_default();
     let report = ClipReport {

@@ -7,7 +7,7 @@ use super::contacts::{FootContact, held};
 use super::keys::{Curves, KeyInput, keyed_clip};
 use super::root_motion::RootMotion;
 use crate::maths::quat::yaw_of;
-use crate::measure::{Frame, KnownPush, Motion, PushPoint, measure};
+use crate::measure::{Findings, Frame, KnownPush, Motion, PushPoint, measure};
 use crate::mocap::retarget::{Planted, belt, planted_parts, retarget};
 use crate::model::report::{Assist, BodyReport, Contact, Disturbance, Event, Outcome, Part, Plausibility};
 use crate::model::{BodyPose, Capture, Clip, ClipReport, Plant, Side};
@@ -164,6 +164,7 @@ fn report(
         .collect();
     let motion = Motion { body: &rig.body, hz, per_frame: PER_FRAME, poses: &poses };
     let findings = measure(motion, &held(contacts, Frame::World), &pushes, 1.0);
+    let findings = findings.map(|found| Findings { given: true, ..found });
     let mut plausibility = findings.as_ref().map_or_else(Plausibility::default, |findings| findings.plausibility());
     plausibility.notes.push("measured in the stances of the clip that it was retargeted from".into());
     if options.root == RootMotion::InPlace {

@@ -48,7 +48,14 @@ pub fn again(told: &Value, reading: &Reading, corrected: &Corrected, written: &C
     let turns = contacts.iter().flatten().any(|contact| contact.frame != Frame::World.name());
     let stays = told.get("root_motion").and_then(Value::as_str) == Some("in-place");
     let known = contacts.iter().all(Option::is_some) && !carries && !turns && !stays;
-    let found = known.then(|| measured(written, &held)).flatten();
+    // Who falls is measured while the feet carry, as in the bake.
+    let falls = told.get("outcome").and_then(Value::as_str) == Some("fall");
+    let name = |event: &&Value| event.get("name").and_then(Value::as_str) == Some("balance_lost");
+    let lost = list(&told, "events").iter().find(name).and_then(|event| event.get("time")).and_then(Value::as_f64);
+    let until = lost.filter(|_| falls).map_or(f64::INFINITY, |lost| lost - reading.start / corrected.speed);
+    let given = told.get("drive").and_then(Value::as_str) == Some("retarget");
+    let found = known.then(|| measured(written, &held, until)).flatten();
+    let found = found.map(|found| Findings { falls: falls || found.falls, given, ..found });
     let slips = found.as_ref().map(|found| found.feet.slips.iter().map(|slip| slip.mm).collect::<Vec<f64>>());
     let mut held = 0;
     for (value, contact) in list_mut(&mut told, "contacts").iter_mut().zip(contacts) {
@@ -130,8 +137,10 @@ fn shift(contact: &mut Contact, reading: &Reading, corrected: &Corrected) {
     contact.position = (DVec3::from_array(contact.position) + along).to_array();
 }
 
-fn measured(written: &Capture, contacts: &[HeldContact]) -> Option<Findings> {
-    let poses: Vec<BodyPose> = (0..written.frames())
+/// `until`: s, what comes later is left out.
+fn measured(written: &Capture, contacts: &[HeldContact], until: f64) -> Option<Findings> {
+    let frames = ((until * written.fps).floor().max(4.0) as usize).saturating_add(1).min(written.frames());
+    let poses: Vec<BodyPose> = (0..frames)
         .map(|frame| BodyPose { hips: written.at(frame)[0], turns: written.turns_at(frame).to_vec() })
         .collect();
     let motion = Motion { body: &written.body, hz: written.fps, per_frame: PER_FRAME, poses: &poses };

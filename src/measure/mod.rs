@@ -10,15 +10,23 @@ pub mod feet;
 #[cfg(test)]
 pub(crate) mod fixture;
 pub mod gait;
+pub mod gate;
 pub mod ground;
+pub mod hover;
 pub mod joints;
+pub mod legs;
+pub mod moving;
+mod notes;
 pub mod outcome;
 pub mod plausibility;
+pub mod pops;
 pub mod residual;
 pub mod score;
+pub mod stance;
 pub mod support;
 pub mod zmp;
 
+pub use gate::{Hindrance, gate};
 pub use outcome::{Balance, balance};
 pub use plausibility::{Findings, Setting, measure, measure_in, measure_on, plausibility};
 

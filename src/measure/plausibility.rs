@@ -5,13 +5,18 @@
 
 use super::dynamics::{Dynamics, Wrench, dynamics};
 use super::feet::{FeetFindings, feet};
+use super::gate::RESIDUAL_SPAN;
+use super::hover::{Hover, hover};
 use super::joints::{JointFindings, joints};
+use super::legs::{Legs, legs};
+use super::moving::{Moving, kept_up};
 use super::outcome::{Balance, balance, speed_ratio};
 use super::residual::{Units, residual};
-use super::score::{ANKLE_SPEED, score};
+use super::score::score;
+use super::stance::{EndStance, end_stance};
 use super::support::{Support, support};
 use super::zmp::{self, ZmpFindings};
-use super::{HeldContact, KnownPush, MOVING_SPEED, Motion, Track, percentile};
+use super::{HeldContact, KnownPush, Motion, Track};
 use crate::model::{Load, Terrain, report::Plausibility};
 
 /// Everything that was found.
@@ -23,17 +28,31 @@ pub struct Findings {
     pub joints: JointFindings,
     /// Zero-moment point and flight.
     pub zmp: ZmpFindings,
+    /// How near the legs come.
+    pub legs: Legs,
+    /// Time without contact, until it has fallen.
+    pub hover: Hover,
     /// How it ends.
     pub balance: Balance,
-    /// 99th percentile, over moving samples with contact (or all of them where that is more), of tangential over normal force
-    /// needed of the ground.
+    /// How it stands at the end; `None` for who walks, turns or has fallen there.
+    pub end_stance: Option<EndStance>,
+    /// Whether it falls: measured as fallen, unless who knows of a fall after the measured part says so.
+    pub falls: bool,
+    /// Whether the motion was given (captured, keyed by hand): how it goes is then not judged, only how well it is done.
+    pub given: bool,
+    /// Which samples move.
+    pub moving: Moving,
+    /// 99th percentile, over moving samples with contact (or the mean of a stand's worst half second where that is more), of
+    /// tangential over normal force needed of the ground.
     pub friction_p99: f64,
     /// Least force needed along the ground's normal, over samples with contact, in body weights.
     pub vertical_min: f64,
-    /// RMS over all samples of the missing force, body weights.
+    /// RMS over moving samples (or a stand's worst half second where that is more) of the missing force, body weights.
     pub residual_force: f64,
-    /// RMS over all samples of the missing moment, body weights x height.
+    /// The same of the missing moment, body weights x height.
     pub residual_moment: f64,
+    /// Body weights, the missing force that is kept up in contact for longer than the gate's span, and from when on (s).
+    pub residual_kept_up: (f64, f64),
     /// N, N m: the largest missing force and moment, and when (s).
     pub residual_peak: ((f64, f64), (f64, f64)),
     /// Peak change of speed along the push over impulse / mass; `None` without a push.
@@ -97,22 +116,36 @@ fn measure_track(track: &Track, contacts: &[HeldContact], pushes: &[KnownPush], 
         .map(|(i, support)| residual(support.as_ref(), dynamics.needed[i], dynamics.com[i], friction, units))
         .collect();
     let distances = zmp::distances(&motion, &dynamics, &supports, &residuals);
-    let (friction_p99, vertical_min) = ground_forces(&dynamics, &supports, units);
-    let rms =
-        |square: &dyn Fn(&Wrench) -> f64| (residuals.iter().map(square).sum::<f64>() / residuals.len() as f64).sqrt();
+    let moving = Moving::of(&dynamics, &supports, motion.hz);
+    let (friction_p99, vertical_min) = ground_forces(&dynamics, &supports, &moving, units);
+    let forces: Vec<f64> = residuals.iter().map(|wrench| wrench.force.length() / units.weight).collect();
+    let moments: Vec<f64> =
+        residuals.iter().map(|wrench| wrench.moment.length() / (units.weight * units.height)).collect();
+    let in_contact: Vec<Option<f64>> =
+        forces.iter().zip(&supports).map(|(force, support)| support.as_ref().map(|_| *force)).collect();
+    let (level, from) = kept_up(&in_contact, motion.hz, RESIDUAL_SPAN);
     let peak = |size: &dyn Fn(&Wrench) -> f64| {
         let sizes = residuals.iter().enumerate().map(|(sample, wrench)| (size(wrench), motion.time(sample)));
         sizes.fold((0.0, 0.0), |peak, next| if next.0 > peak.0 { next } else { peak })
     };
+    let balance = balance(track, &dynamics, &supports, contacts, pushes, None);
+    let end = motion.time(track.len() - 1);
     Findings {
         feet: feet(track, contacts),
         joints: joints(track),
         zmp: zmp::findings(&motion, &dynamics, &distances),
-        balance: balance(track, &dynamics, &supports, contacts, pushes, None),
+        legs: legs(track),
+        hover: hover(contacts, balance.fallen.unwrap_or(end)),
+        end_stance: if balance.fallen.is_none() { end_stance(track) } else { None },
+        falls: balance.fallen.is_some(),
+        given: false,
+        balance,
         friction_p99,
         vertical_min,
-        residual_force: rms(&|wrench| wrench.force.length_squared()) / units.weight,
-        residual_moment: rms(&|wrench| wrench.moment.length_squared()) / (units.weight * units.height),
+        residual_force: moving.rms(&forces),
+        residual_moment: moving.rms(&moments),
+        residual_kept_up: (level, motion.time(from)),
+        moving,
         residual_peak: (peak(&|wrench| wrench.force.length()), peak(&|wrench| wrench.moment.length())),
         speed_ratio: speed_ratio(track, &dynamics, pushes),
         leg_scale: motion.body.leg_length / 0.83,
@@ -145,120 +178,36 @@ impl Findings {
             penetration_max_mm: self.feet.penetration_max_mm,
             peak_ankle_speed: self.feet.peak_ankle_speed,
             speed_ratio: self.speed_ratio.unwrap_or(0.0),
+            hover_s: self.hover.total,
+            hover_longest_s: self.hover.longest,
+            legs_mm: 1000.0 * self.legs.least / self.leg_scale,
+            joint_excess_deg: self.joints.excesses.iter().map(|excess| excess.by.to_degrees()).fold(0.0, f64::max),
+            joint_excess_share: self.moving.share(&self.joints.beyond),
+            pops: self.joints.pops.len() as u32,
+            // Summed from 0: a sum of none is -0.
+            pops_deg: self.joints.pops.iter().fold(0.0, |sum, pop| sum + pop.step.to_degrees()),
+            end_stance_mm: self.end_stance.filter(|_| !self.falls).map_or(0.0, |end| 1000.0 * end.off / self.leg_scale),
+            falls: self.falls,
             notes: self.notes(),
         };
-        report.score = score(&report, self.friction);
+        report.score = score(&report, self.friction, self.given);
         report
-    }
-
-    /// What a person should look at, most telling first.
-    fn notes(&self) -> Vec<String> {
-        let mut notes = Vec::new();
-        if let Some(time) = self.balance.fallen {
-            notes.push(format!("the body has fallen at {time:.2} s"));
-        }
-        if self.zmp.inside < 0.95 {
-            notes.push(format!(
-                "the zero-moment point is out of the feet in {:.0} % of the moving frames, {:.1} cm at {:.2} s",
-                100.0 * (1.0 - self.zmp.inside),
-                self.zmp.outside_max_cm,
-                self.zmp.worst_time
-            ));
-        }
-        if self.residual_force > 0.05 {
-            let (newtons, time) = self.residual_peak.0;
-            notes.push(format!("up to {newtons:.0} N come from nowhere (at {time:.2} s)"));
-        }
-        if self.residual_moment > 0.02 {
-            let (moment, time) = self.residual_peak.1;
-            notes.push(format!("up to {moment:.0} Nm come from nowhere (at {time:.2} s)"));
-        }
-        if self.friction_p99 > self.friction {
-            notes.push(format!(
-                "the feet need a friction of {:.2}, the ground has {:.2}",
-                self.friction_p99, self.friction
-            ));
-        }
-        if self.vertical_min < 0.0 {
-            notes.push(format!("the ground would have to pull with {:.2} body weights", -self.vertical_min));
-        }
-        if self.zmp.flight > 0 && self.zmp.flight_worst > 2.0 {
-            notes.push(format!("in flight the body is {:.1} m/s² off a free fall", self.zmp.flight_worst));
-        }
-        if self.feet.slip_max_mm > 2.0 {
-            notes.push(format!("a planted foot slips {:.1} mm", self.feet.slip_max_mm));
-        }
-        if self.feet.penetration_max_mm > 5.0 {
-            notes.push(format!(
-                "a sole is {:.1} mm under the ground at {:.2} s",
-                self.feet.penetration_max_mm, self.feet.penetration_time
-            ));
-        }
-        if self.feet.float_max_mm > 5.0 {
-            notes.push(format!(
-                "a sole that should touch is {:.1} mm over the ground at {:.2} s",
-                self.feet.float_max_mm, self.feet.float_time
-            ));
-        }
-        if self.feet.peak_ankle_speed > ANKLE_SPEED {
-            notes.push(format!("an ankle moves at {:.1} m/s; people reach about 8", self.feet.peak_ankle_speed));
-        }
-        if let Some(ratio) = self.speed_ratio.filter(|ratio| !(0.6..=1.1).contains(ratio)) {
-            notes.push(format!("the push gives {ratio:.2} of the speed that its impulse would"));
-        }
-        if self.feet.least_leg_distance < LEAST_LEG_DISTANCE * self.leg_scale {
-            notes.push(format!(
-                "the legs come within {:.0} mm of each other at {:.2} s",
-                1000.0 * self.feet.least_leg_distance,
-                self.feet.least_leg_time
-            ));
-        }
-        if self.joints.knee_past_straight > super::joints::LIMIT_TOLERANCE {
-            notes
-                .push(format!("a knee bends {:.1} degrees past straight", self.joints.knee_past_straight.to_degrees()));
-        }
-        for excess in &self.joints.excesses {
-            notes.push(format!(
-                "{} {} is {:.0} degrees at {:.2} s, {:.0} past its limit",
-                excess.angle.role.name(),
-                excess.angle.axis,
-                excess.angle.value.to_degrees(),
-                excess.time,
-                excess.by.to_degrees()
-            ));
-        }
-        for pop in &self.joints.pops {
-            notes.push(format!(
-                "{} pops by {:.0} degrees at {:.2} s",
-                pop.role.name(),
-                pop.step.to_degrees(),
-                pop.time
-            ));
-        }
-        notes
     }
 }
 
-/// m at the reference leg, between the legs' axes in a swing; nearer, the legs of most characters touch.
-const LEAST_LEG_DISTANCE: f64 = 0.08;
-
 /// (99th percentile of the friction needed, least normal force in body weights).
-fn ground_forces(dynamics: &Dynamics, supports: &[Option<Support>], units: Units) -> (f64, f64) {
-    // A stand on a slope needs friction too: over all samples where that is more.
-    let (mut friction, mut all): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
+fn ground_forces(dynamics: &Dynamics, supports: &[Option<Support>], moving: &Moving, units: Units) -> (f64, f64) {
     let mut least = f64::INFINITY;
-    for (sample, support) in supports.iter().enumerate() {
-        let Some(support) = support else { continue };
-        let force = dynamics.needed[sample].force;
-        let normal = force.dot(support.normal);
+    let one = |(support, needed): (&Option<Support>, &Wrench)| {
+        let support = support.as_ref()?;
+        let normal = needed.force.dot(support.normal);
         least = least.min(normal / units.weight);
-        let tangent = (force - support.normal * normal).length();
-        all.push(tangent / normal.max(0.05 * units.weight));
-        if dynamics.velocity[sample].length() > MOVING_SPEED {
-            friction.extend(all.last());
-        }
-    }
-    (percentile(&friction, 0.99).max(percentile(&all, 0.99)), if least.is_finite() { least } else { 0.0 })
+        let tangent = (needed.force - support.normal * normal).length();
+        Some(tangent / normal.max(0.05 * units.weight))
+    };
+    // A stand on a slope needs friction too.
+    let ratios: Vec<Option<f64>> = supports.iter().zip(&dynamics.needed).map(one).collect();
+    (moving.percentile(&ratios, 0.99), if least.is_finite() { least } else { 0.0 })
 }
 
 #[cfg(test)]
@@ -361,6 +310,97 @@ mod tests {
         };
         assert!(at(0.02).residual_moment < 1e-6 && at(0.02).zmp.inside == 1.0, "{:?}", at(0.02).zmp);
         assert!(at(0.30).zmp.inside < 0.95 && at(0.30).zmp.outside_max_cm > 3.0, "{:?}", at(0.30).zmp);
+    }
+
+    /// A bad clip that has come to rest at its end: it slips, leans out of its feet, crosses its legs, jerks an arm, hovers.
+    fn faulty(seconds: f64) -> (crate::model::Body, Vec<crate::model::BodyPose>) {
+        let body = fixture::body();
+        let hip = body.feet[0].ankle - 2;
+        let arm = body.joint(crate::model::Role::LeftUpperArm).expect("an arm");
+        let poses = fixture::poses(&body, (120.0 * seconds) as usize + 1, |pose, sample| {
+            let time = sample / 120.0;
+            let ease = |from: f64, to: f64| {
+                let u = ((time - from) / (to - from)).clamp(0.0, 1.0);
+                u * u * (3.0 - 2.0 * u)
+            };
+            pose.hips +=
+                DVec3::new(0.3 * ease(0.5, 1.0) - 0.28 * ease(1.3, 2.0), -0.02 * ease(0.5, 0.6), 0.1 * ease(0.5, 0.7));
+            let cross = glam::DQuat::from_rotation_z(-0.6 * ease(0.8, 1.2) + 0.25 * ease(1.3, 2.0));
+            (hip..hip + 4).for_each(|joint| pose.turns[joint] = cross);
+            let bend = -3.3 * ease(0.9, 1.1) + if time > 1.5 { 0.4 } else { 0.0 } + 2.9 * ease(1.7, 2.3);
+            (arm..arm + 3).for_each(|joint| pose.turns[joint] = glam::DQuat::from_rotation_x(bend));
+        });
+        (body, poses)
+    }
+
+    #[test]
+    fn seconds_of_stillness_at_the_end_make_no_measure_and_no_score_better() {
+        let contacts = [
+            fixture::flat(Side::Left, 0.0, 0.6),
+            fixture::flat(Side::Right, 0.0, 1.0),
+            fixture::flat(Side::Left, 1.2, 99.0),
+            fixture::flat(Side::Right, 1.3, 99.0),
+        ];
+        let push = KnownPush { start: 0.5, end: 0.7, force: DVec3::X * 300.0, at: super::super::PushPoint::Centre };
+        let told = |seconds: f64| {
+            let (body, poses) = faulty(seconds);
+            plausibility(fixture::motion(&body, &poses), &contacts, &[push], 0.2)
+        };
+        // It must end still, lest the stillness come with a jerk of its own.
+        let (clip, padded) = (told(3.0), told(9.0));
+        let terms = |p: &Plausibility| {
+            [
+                ("zmp_inside", 1.0 - p.zmp_inside),
+                ("zmp_outside_p95_cm", p.zmp_outside_p95_cm),
+                ("residual_force", p.residual_force),
+                ("residual_moment", p.residual_moment),
+                ("friction_p99", p.friction_p99),
+                ("vertical_min", -p.vertical_min),
+                ("slip_max_mm", p.slip_max_mm),
+                ("penetration_max_mm", p.penetration_max_mm),
+                ("peak_ankle_speed", p.peak_ankle_speed),
+                ("speed_ratio", (p.speed_ratio - 1.0).abs()),
+                ("hover_s", p.hover_s),
+                ("hover_longest_s", p.hover_longest_s),
+                ("legs_mm", -p.legs_mm),
+                ("joint_excess_deg", p.joint_excess_deg),
+                ("joint_excess_share", p.joint_excess_share),
+                ("pops_deg", p.pops_deg),
+                ("end_stance_mm", p.end_stance_mm),
+                ("score", -p.score),
+            ]
+        };
+        for ((name, before), (_, after)) in terms(&clip).into_iter().zip(terms(&padded)) {
+            assert!(after >= before - 1e-6, "{name} is {before} and with 6 s of stillness {after}");
+        }
+        assert!((padded.score - clip.score).abs() < 1e-4 && clip.score < 0.1, "{clip:?}");
+        // Each of them says something here.
+        let good = Plausibility {
+            zmp_inside: 1.0,
+            vertical_min: 1.0,
+            legs_mm: 200.0,
+            speed_ratio: 1.0,
+            ..Plausibility::default()
+        };
+        for ((name, is), (_, good)) in terms(&clip).into_iter().zip(terms(&good)).take(17) {
+            assert!(is > good + 1e-6, "{name} is {is}");
+        }
+    }
+
+    #[test]
+    fn a_stand_that_nothing_could_hold_is_seen_although_nothing_moves() {
+        let body = fixture::body();
+        let lean = |angle: f64| {
+            let poses = fixture::poses(&body, 240, |pose, _| {
+                let turn = glam::DQuat::from_rotation_x(angle);
+                pose.turns.iter_mut().for_each(|joint| *joint = turn * *joint);
+                pose.hips = turn * pose.hips;
+            });
+            measure(fixture::motion(&body, &poses), &fixture::standing(), &[], 1.0).expect("sound").plausibility()
+        };
+        let (held, unheld) = (lean(0.1), lean(0.6));
+        assert!(held.residual_moment < 1e-9 && unheld.residual_moment > 0.1, "{unheld:?}");
+        assert!(unheld.score < 0.8 * held.score, "{} {}", unheld.score, held.score);
     }
 
     #[test]

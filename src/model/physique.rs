@@ -80,4 +80,12 @@ impl Physique {
         half_width: 0.045,
         stance: None,
     };
+
+    /// m, ankle to ankle in the natural stand (0.18 m for a leg of 0.83 m); wide hips and wide shoes stand wider.
+    pub fn natural_width(leg_length: f64, hip_width: f64, half_width: f64) -> f64 {
+        (STANCE_WIDTH * leg_length).max(0.85 * hip_width).max(2.3 * half_width)
+    }
 }
+
+/// Ankle to ankle, in leg lengths.
+const STANCE_WIDTH: f64 = 0.217;

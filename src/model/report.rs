@@ -191,9 +191,9 @@ pub struct Plausibility {
     pub friction_p99: f64,
     /// Least vertical force over body weight.
     pub vertical_min: f64,
-    /// RMS missing force, body weights.
+    /// RMS missing force over moving frames, body weights; of a stand's worst half second, where that misses more.
     pub residual_force: f64,
-    /// RMS missing moment, body weights x height.
+    /// RMS missing moment over the same, body weights x height.
     pub residual_moment: f64,
     /// mm.
     pub slip_max_mm: f64,
@@ -203,6 +203,34 @@ pub struct Plausibility {
     pub peak_ankle_speed: f64,
     /// Peak change of the centre of mass's speed along the push over impulse / mass; 0 without a push.
     pub speed_ratio: f64,
+    /// s, in which neither foot is in contact while it has not fallen.
+    #[serde(default)]
+    pub hover_s: f64,
+    /// s, the longest of them at a stretch.
+    #[serde(default)]
+    pub hover_longest_s: f64,
+    /// mm at the reference leg of 0.83 m: the nearest that the axes of thigh or shank of the two legs come.
+    #[serde(default)]
+    pub legs_mm: f64,
+    /// Degrees, the farthest that a joint is beyond its range.
+    #[serde(default)]
+    pub joint_excess_deg: f64,
+    /// Share of moving frames in which a joint is.
+    #[serde(default)]
+    pub joint_excess_share: f64,
+    /// Jumps of a joint from one frame to the next that those around it do not explain.
+    #[serde(default)]
+    pub pops: u32,
+    /// Degrees, all of them together.
+    #[serde(default)]
+    pub pops_deg: f64,
+    /// mm at the reference leg: how far the feet are at the end from side by side, or from how they stood at first where that is
+    /// nearer; 0 for who walks, turns or has fallen there.
+    #[serde(default)]
+    pub end_stance_mm: f64,
+    /// Whether it falls.
+    #[serde(default)]
+    pub falls: bool,
     /// Sentences for a person.
     pub notes: Vec<String>,
 }

@@ -14,8 +14,6 @@ use glam::{DQuat, DVec3};
 const STAND_STRETCH: f64 = 0.992;
 /// Outward turn of each foot, rad.
 const TOE_OUT: f64 = 6.0 * std::f64::consts::PI / 180.0;
-/// Ankle to ankle, in leg lengths (0.18 m for a leg of 0.83 m).
-const STANCE_WIDTH: f64 = 0.217;
 /// Where the centre of mass stands over the sole, from heel (0) to tip (1).
 const COM_OVER_SOLE: f64 = 0.42;
 /// Forward lean of the trunk, rad.
@@ -98,8 +96,7 @@ pub fn physique_holding(body: &Body, anatomy: &Anatomy, hold: Option<Hold>) -> P
     let leg_length = (anatomy.legs[0].length() + anatomy.legs[1].length()) * 0.5;
     let mean = |value: fn(&crate::model::FootShape) -> f64| (value(&body.feet[0]) + value(&body.feet[1])) * 0.5;
     let (heel, tip, half_width) = (mean(|f| f.heel), mean(|f| f.foremost()), mean(|f| f.half_width));
-    // Wide hips and wide shoes stand wider.
-    let stance_width = (STANCE_WIDTH * leg_length).max(0.85 * anatomy.hip_width).max(2.3 * half_width);
+    let stance_width = Physique::natural_width(leg_length, anatomy.hip_width, half_width);
     let com_forward = heel + COM_OVER_SOLE * (tip - heel);
     let plants = natural_plants(stance_width, com_forward);
     // The height at which the longer-stretched leg reaches the stand's stretch, by bisection: the pose decides.
