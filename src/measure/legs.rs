@@ -40,8 +40,8 @@ fn chain(body: &Body, side: Side) -> [usize; 3] {
     [own(Role::LeftUpperLeg).unwrap_or(knee), knee, ankle]
 }
 
-/// m, between two legs of thigh and shank.
-fn distance(one: &[DVec3; 3], other: &[DVec3; 3]) -> f64 {
+/// m, between the axes of two legs, each as the places of hip, knee and ankle.
+pub fn distance(one: &[DVec3; 3], other: &[DVec3; 3]) -> f64 {
     let pairs = one.windows(2).flat_map(|a| other.windows(2).map(move |b| ([a[0], a[1]], [b[0], b[1]])));
     pairs.map(|(a, b)| segment_distance(a, b)).fold(f64::INFINITY, f64::min)
 }

@@ -74,9 +74,12 @@ pub struct Report {
 }
 
 /// The controller.
+#[derive(Clone)]
 pub struct Controller {
     /// Its dials.
     pub tuning: Tuning,
+    /// The dials that it began with.
+    pub character: Tuning,
     /// s.
     pub time: f64,
     /// The swing under way.
@@ -130,6 +133,7 @@ impl Controller {
         let stance_width = (states[figure.legs[0][2]].origin.x - states[figure.legs[1][2]].origin.x).abs();
         Controller {
             tuning,
+            character: tuning,
             time: 0.0,
             swing: None,
             report: Report::default(),

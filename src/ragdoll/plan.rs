@@ -44,7 +44,7 @@ pub struct Target {
 }
 
 /// Constants of stepping.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepTuning {
     /// s, the swings to choose from.
     pub times: [f64; 3],
@@ -64,6 +64,10 @@ pub struct StepTuning {
     pub late: f64,
     /// m, what it costs to step with the same foot again.
     pub again: f64,
+    /// m, what it costs to step with the left foot; under 0 with the right one.
+    pub left: f64,
+    /// m, beyond where it would land: outwards and ahead.
+    pub nudge: [f64; 2],
 }
 
 impl Default for StepTuning {
@@ -78,6 +82,8 @@ impl Default for StepTuning {
             speed: 4.0,
             late: 0.3,
             again: 0.05,
+            left: 0.0,
+            nudge: [0.0; 2],
         }
     }
 }
@@ -91,6 +97,7 @@ pub fn choose(situation: &Situation, tuning: &StepTuning) -> Target {
             let mut target = aim(situation, tuning, side, time * tempo, time * tempo);
             target.cost += tuning.late * (tuning.times[2] - time) * situation.size;
             target.cost += if situation.last == Some(side) { tuning.again * situation.size } else { 0.0 };
+            target.cost += (side.sign() * tuning.left).max(0.0) * situation.size;
             if best.is_none_or(|best| target.cost < best.cost) {
                 best = Some(target);
             }
@@ -111,7 +118,8 @@ pub fn aim(situation: &Situation, tuning: &StepTuning, side: Side, time: f64, le
     let whole = (situation.rate * time).exp();
     let capture =
         touch - situation.drift + outward * (tuning.outside * size / (1.0 + whole)) + motion * (tuning.along * size);
-    let mut at = capture;
+    let ahead = DVec2::new(situation.heading.sin(), situation.heading.cos());
+    let mut at = capture + (outward * tuning.nudge[0] + ahead * tuning.nudge[1]) * size;
     // On its own side of the stance foot.
     let apart = (at - stance).dot(outward);
     if apart < tuning.clear * size {

@@ -25,7 +25,7 @@ impl Controller {
     /// m, the pelvis's height: the stand's, or less where a leg would not reach.
     pub(super) fn wanted_height(&self, figure: &Figure, terrain: &Terrain, floor: f64) -> f64 {
         let pelvis = self.states[0];
-        let mut height = self.pelvis_height + floor;
+        let mut height = self.pelvis_height + floor - self.tuning.crouch * self.size;
         // On steep ground the knees are bent beforehand: a step down it must find ground.
         let crouch = STEEP * (1.0 - terrain.spot(flat(pelvis.origin)).normal.y);
         for side in Side::BOTH {

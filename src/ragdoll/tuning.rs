@@ -3,9 +3,10 @@
 //! Found by random search on seeded pushes that no test or benchmark uses.
 
 use super::plan::StepTuning;
+use crate::maths::seed::Seed;
 
 /// Everything that can be turned.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tuning {
     /// Stepping.
     pub step: StepTuning,
@@ -79,6 +80,45 @@ pub struct Tuning {
     pub straight: f64,
     /// Damping of the legs' inverse: bearing, swinging.
     pub damping: [f64; 2],
+    /// m, by which the pelvis is held lower.
+    pub crouch: f64,
+}
+
+impl Tuning {
+    /// Another near this one, by that share of the dials' ranges; some dials stay.
+    pub fn drawn_near(&self, draw: &mut Seed, share: f64) -> Tuning {
+        let mut next = *self;
+        let mut turn = |value: &mut f64, low: f64, high: f64| {
+            let moves = draw.between(0.0, 1.0) < 0.6;
+            let by = draw.between(-0.5, 0.5) * (high - low) * share;
+            if moves {
+                *value = (*value + by).clamp(low, high);
+            }
+        };
+        let mut longer = 0.0;
+        turn(&mut longer, -0.10, 0.10);
+        next.step.times.iter_mut().for_each(|time| *time = (*time + longer).clamp(0.16, 0.40));
+        turn(&mut next.step.outside, 0.05, 0.35);
+        turn(&mut next.step.along, -0.05, 0.2);
+        turn(&mut next.step.reach, 0.35, 0.6);
+        turn(&mut next.step.span, 0.8, 1.2);
+        turn(&mut next.step.clear, 0.08, 0.2);
+        turn(&mut next.step.left, -0.3, 0.3);
+        turn(&mut next.step.nudge[0], -0.2, 0.2);
+        turn(&mut next.step.nudge[1], -0.2, 0.2);
+        turn(&mut next.momentum, 0.5, 1.7);
+        turn(&mut next.trigger, -0.02, 0.06);
+        turn(&mut next.cop_gain, 1.3, 4.0);
+        turn(&mut next.moment[0], 40.0, 250.0);
+        turn(&mut next.moment[1], 0.0, 700.0);
+        turn(&mut next.pelvis[0], 30.0, 140.0);
+        turn(&mut next.foreseen, 0.0, 0.9);
+        turn(&mut next.lift[0], 0.05, 0.12);
+        turn(&mut next.reach[1], 0.86, 0.965);
+        turn(&mut next.weights[2], 0.05, 0.6);
+        turn(&mut next.crouch, 0.0, 0.12);
+        next
+    }
 }
 
 impl Default for Tuning {
@@ -120,6 +160,7 @@ impl Default for Tuning {
             onwards: 0.7,
             straight: 0.86,
             damping: [0.08, 0.2],
+            crouch: 0.0,
         }
     }
 }

@@ -56,7 +56,7 @@ pub struct Struck {
 }
 
 /// The balls of a run.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Balls {
     flown: Vec<Flown>,
     loosed: Vec<bool>,

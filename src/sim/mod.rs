@@ -3,7 +3,9 @@
 pub mod articulated;
 pub mod balls;
 mod record;
+mod run;
 pub mod script;
+mod search;
 pub mod session;
 pub mod trace;
 
@@ -11,5 +13,6 @@ pub use articulated::{Articulated, Help, Things, simulate_articulated, simulate_
 pub use balls::{Flown, Incoming, Struck};
 pub use record::PRESSED;
 pub use script::Script;
+pub use search::Searched;
 pub use session::{Session, SessionPush, SimulateOptions, simulate, simulate_pushes};
 pub use trace::{TickState, Trace};

@@ -4,10 +4,12 @@
 //! ground or went on. Nothing is added: a step is a foot that went, a foot that is dragged while it bears takes none.
 
 use super::articulated::{Articulated, Help};
+use super::run::{Course, Ticked};
+use super::search::Searched;
 use super::{SessionPush, TickState, Trace};
 use crate::maths::pendulum::GRAVITY;
 use crate::maths::quat::yaw_of;
-use crate::model::{Plant, Role, Side, Terrain};
+use crate::model::{BodyPose, Plant, Role, Side, Terrain};
 use crate::ragdoll::control::Report;
 use crate::ragdoll::{Controller, Figure, walk};
 use crate::stepper::footing::to_ground;
@@ -34,8 +36,11 @@ pub(super) struct Record {
     bearing: [bool; 2],
     lifts: Vec<(Side, f64, StepKind)>, // as the law has them: side, s, why
     size: f64,                         // legs over 0.83 m
-    help: Help,
-    torques: Vec<(Role, f64)>,
+    dt: f64,
+    helps: Vec<[f64; 2]>, // N m and N
+    roles: Vec<Role>,
+    pub(super) poses: Vec<BodyPose>,
+    pressed: Vec<[f64; 2]>,
     torque_curves: Vec<Vec<f32>>, // (links × ticks)
 }
 
@@ -49,7 +54,7 @@ struct Sole {
 }
 
 impl Record {
-    pub(super) fn new(start: [Plant; 2], figure: &Figure) -> Record {
+    pub(super) fn new(start: [Plant; 2], figure: &Figure, dt: f64) -> Record {
         Record {
             ticks: Vec::new(),
             start,
@@ -57,33 +62,22 @@ impl Record {
             bearing: [true; 2],
             lifts: Vec::new(),
             size: figure.leg_length / 0.83,
-            help: Help::default(),
-            torques: Vec::new(),
+            dt,
+            helps: Vec::new(),
+            roles: (0..figure.links.len()).map(|link| figure.role_of(link)).collect(),
+            poses: Vec::new(),
+            pressed: Vec::new(),
             torque_curves: Vec::new(),
         }
     }
 
-    /// `pressed`: N, by the ground, left and right.
-    #[expect(clippy::too_many_arguments, reason = "one tick")]
-    pub(super) fn tick(
-        &mut self,
-        figure: &Figure,
-        control: &Controller,
-        report: &Report,
-        (push, push_moment): (DVec3, DVec3),
-        ground: &Terrain,
-        pressed: [f64; 2],
-        time: f64,
-    ) {
-        let states = control.states();
-        let feet = Side::BOTH.map(|side| {
-            let state = states[figure.legs[side as usize][2]];
-            let yaw = yaw_of(state.turn) + self.start[side as usize].yaw;
-            let normal = if ground.is_flat() { DVec3::Y } else { state.turn * DVec3::Y };
-            let ankle = state.origin - normal * figure.ankle_height;
-            let ankle = if ground.is_flat() { DVec3::new(ankle.x, 0.0, ankle.z) } else { ankle };
-            Plant { ankle, yaw, normal }
-        });
+    pub(super) fn tick(&mut self, course: &Course, control: &Controller, ticked: &Ticked, time: f64) {
+        let Ticked { report, state: kept, ground, .. } = ticked;
+        let (figure, states) = (course.figure, control.states());
+        let feet = kept.feet;
+        self.poses.push(ticked.pose.clone());
+        self.pressed.push(ticked.pressed);
+        let pressed = ticked.pressed.map(|impulse| impulse / self.dt);
         for side in Side::BOTH {
             let foot = side as usize;
             let state = states[figure.legs[foot][2]];
@@ -108,44 +102,30 @@ impl Record {
             }
         }
         self.bearing = report.bears;
-        let before = self.ticks.last().map_or(report.velocity, |tick| tick.velocity);
-        self.ticks.push(TickState {
-            com: report.com,
-            velocity: report.velocity,
-            acceleration: (report.velocity - before) / 0.01,
-            xi: report.xi,
-            cop: report.cop,
-            push,
-            push_moment,
-            feet,
-            planted: report.bears,
-            facing: yaw_of(states[figure.trunk].turn),
-            walk: control.gait.velocity(),
-            gait: match control.gait.phase() {
-                walk::Phase::Rest | walk::Phase::Caught => Phase::Rest,
-                walk::Phase::Start => Phase::Start,
-                walk::Phase::Double => Phase::Double,
-                walk::Phase::Single => Phase::Single,
-            },
-            crouched: 0.0,
-        });
+        self.ticks.push(*kept);
         let [torque, force] = report.help.map(DVec3::length);
-        self.help.torque = [self.help.torque[0].max(torque), self.help.torque[1] + torque * torque];
-        self.help.force = [self.help.force[0].max(force), self.help.force[1] + force * force];
-        self.torques.resize_with(figure.links.len(), || (Role::Hips, 0.0));
-        for (link, (role, peak)) in self.torques.iter_mut().enumerate() {
-            *role = figure.role_of(link);
-            *peak = peak.max(control.torques[link]);
-        }
+        self.helps.push([torque, force]);
         self.torque_curves.resize_with(figure.links.len(), Vec::new);
         for (curve, torque) in self.torque_curves.iter_mut().zip(&control.torques) {
             curve.push(*torque as f32);
         }
     }
 
+    /// Forgets all but the first ticks.
+    pub(super) fn cut(&mut self, count: usize) {
+        self.ticks.truncate(count);
+        self.poses.truncate(count);
+        self.pressed.truncate(count);
+        self.helps.truncate(count);
+        self.soles.iter_mut().for_each(|soles| soles.truncate(count));
+        self.torque_curves.iter_mut().for_each(|curve| curve.truncate(count));
+        let last = (self.ticks.len() as f64 - 0.5) * self.dt;
+        self.lifts.retain(|(_, time, _)| *time < last);
+    }
+
     /// `until`: s, the clip's end: what comes later is no part of the feet's stands.
     pub(super) fn finish(
-        mut self,
+        self,
         dt: f64,
         pushes: Vec<SessionPush>,
         (lost, rest): (Option<f64>, f64),
@@ -153,27 +133,35 @@ impl Record {
         until: f64,
     ) -> Articulated {
         let count = self.ticks.len().max(1) as f64;
-        self.help.torque[1] = (self.help.torque[1] / count).sqrt();
-        self.help.force[1] = (self.help.force[1] / count).sqrt();
+        let help = |which: usize| {
+            let peak = self.helps.iter().map(|help| help[which]).fold(0.0, f64::max);
+            let square: f64 = self.helps.iter().map(|help| help[which] * help[which]).sum();
+            [peak, (square / count).sqrt()]
+        };
+        let help = Help { torque: help(0), force: help(1) };
         let stood = Side::BOTH.map(|side| self.stood(side, dt, until));
         let steps = self.steps(&stood, dt, terrain);
         let trace = Trace { dt, ticks: self.ticks, steps, aloft: None, pushes, start: self.start, lost, rest };
         // The root's link has no joint.
-        let joints = self.torques.into_iter().zip(self.torque_curves).skip(1);
+        let joints = self.roles.into_iter().zip(self.torque_curves).skip(1).map(|(role, curve)| {
+            let peak = curve.iter().copied().fold(0.0, f32::max);
+            ((role, f64::from(peak)), curve)
+        });
         let mut joints: Vec<((Role, f64), Vec<f32>)> = joints.collect();
         joints.sort_by(|a, b| b.0.1.total_cmp(&a.0.1));
         let (torques, torque_curves): (Vec<(Role, f64)>, _) = joints.into_iter().unzip();
         Articulated {
             trace,
-            help: self.help,
+            help,
             peak_torque: torques.first().map_or(0.0, |worst| worst.1),
             torques,
             torque_curves,
-            poses: Vec::new(),
-            pressed: Vec::new(),
+            poses: self.poses,
+            pressed: self.pressed,
             joints: Vec::new(),
             stood,
             balls: Vec::new(),
+            search: Searched::default(),
         }
     }
 
@@ -250,4 +238,44 @@ pub(super) fn hung(side: Side, angles: &ArmAngles) -> DQuat {
     DQuat::from_rotation_z(side.sign() * angles.abduct)
         * DQuat::from_rotation_x(-angles.raise)
         * DQuat::from_rotation_y(-side.sign() * angles.inward)
+}
+
+/// What a tick leaves in the trace.
+pub(super) fn state_of(
+    course: &Course,
+    control: &Controller,
+    report: &Report,
+    (push, push_moment): (DVec3, DVec3),
+    acceleration: DVec3,
+    ground: &Terrain,
+) -> TickState {
+    let (figure, states) = (course.figure, control.states());
+    let feet = Side::BOTH.map(|side| {
+        let state = states[figure.legs[side as usize][2]];
+        let yaw = yaw_of(state.turn) + course.start[side as usize].yaw;
+        let normal = if ground.is_flat() { DVec3::Y } else { state.turn * DVec3::Y };
+        let ankle = state.origin - normal * figure.ankle_height;
+        let ankle = if ground.is_flat() { DVec3::new(ankle.x, 0.0, ankle.z) } else { ankle };
+        Plant { ankle, yaw, normal }
+    });
+    TickState {
+        com: report.com,
+        velocity: report.velocity,
+        acceleration,
+        xi: report.xi,
+        cop: report.cop,
+        push,
+        push_moment,
+        feet,
+        planted: report.bears,
+        facing: yaw_of(states[figure.trunk].turn),
+        walk: control.gait.velocity(),
+        gait: match control.gait.phase() {
+            walk::Phase::Rest | walk::Phase::Caught => Phase::Rest,
+            walk::Phase::Start => Phase::Start,
+            walk::Phase::Double => Phase::Double,
+            walk::Phase::Single => Phase::Single,
+        },
+        crouched: 0.0,
+    }
 }

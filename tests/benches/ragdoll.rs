@@ -62,9 +62,9 @@ impl Subject {
     }
 
     /// Whether it stays up, and whether it then stands still.
-    fn pushed(&self, push: &KnownPush, [torque, force]: [f64; 2]) -> (bool, bool) {
+    fn pushed(&self, push: &KnownPush, [torque, force]: [f64; 2], effort: u8) -> (bool, bool) {
         let scale = self.physique.mass / 89.5;
-        let options = SimulateOptions { duration: push.start + 8.0, extra: 0.0, ..SimulateOptions::default() };
+        let options = SimulateOptions { duration: push.start + 8.0, extra: 0.0, effort, ..SimulateOptions::default() };
         let push = KnownPush { force: push.force * scale, ..*push };
         let assist = Assist { torque: torque * scale, force: force * scale };
         let run = simulate_articulated(
@@ -125,7 +125,10 @@ fn table(subject: &Subject, count: usize, bins: &[usize]) {
     let mut mix = 0.0;
     for &bin in bins {
         let pushes = pushes(&subject.body, EDGES[bin], EDGES[bin + 1], count);
-        let free: Vec<(bool, bool)> = pushes.par_iter().map(|push| subject.pushed(push, [0.0, 0.0])).collect();
+        let free: Vec<(bool, bool)> = pushes.par_iter().map(|push| subject.pushed(push, [0.0, 0.0], 0)).collect();
+        let ahead =
+            pushes.par_iter().zip(&free).filter(|(push, (up, _))| *up || subject.pushed(push, [0.0, 0.0], 1).0).count();
+        println!("with search {:.1}", share(ahead, count));
         let up = free.iter().filter(|(up, _)| *up).count();
         let rests = free.iter().filter(|(up, rests)| *up && *rests).count();
         let allowed = ALLOWED[bin];
@@ -133,7 +136,7 @@ fn table(subject: &Subject, count: usize, bins: &[usize]) {
             .par_iter()
             .zip(&free)
             .filter(|(push, (up, _))| {
-                *up || allowed != [0.0, 0.0] && ladder(allowed).iter().any(|bound| subject.pushed(push, *bound).0)
+                *up || allowed != [0.0, 0.0] && ladder(allowed).iter().any(|bound| subject.pushed(push, *bound, 0).0)
             })
             .count();
         let [low, high] = wilson(up, count);
@@ -217,7 +220,7 @@ fn standing(subject: &Subject) {
         .filter(|index| {
             let angle = f64::from(*index) * std::f64::consts::TAU / 16.0;
             let force = DVec3::new(angle.sin(), 0.0, angle.cos()) * 300.0;
-            subject.pushed(&KnownPush { start: 0.5, end: 0.7, force, at: PushPoint::Joint(chest) }, [0.0, 0.0]).0
+            subject.pushed(&KnownPush { start: 0.5, end: 0.7, force, at: PushPoint::Joint(chest) }, [0.0, 0.0], 0).0
         })
         .count();
     println!("300 N for 0.2 s: {sixteen} of wanted 16 directions root-free");

@@ -1,0 +1,303 @@
+//! The articulated body on its way: its world, its law and its arms, tick by tick. Scenario space, SI. A copy goes its own way.
+
+use super::articulated::{BrokenBody, Things};
+use super::balls::Balls;
+use super::record::{hung, state_of};
+use super::{SessionPush, SimulateOptions, TickState};
+use crate::maths::quat::yaw_of;
+use crate::measure::{KnownPush, PushPoint};
+use crate::model::{Body, BodyPose, Load, Physique, Plant, Side, Terrain};
+use crate::ragdoll::control::Report;
+use crate::ragdoll::figure::Part;
+use crate::ragdoll::{Controller, Figure, LinkState, Tuning, World, fall};
+use crate::whole_body::reaction::{Personality, Reaction, Senses, upper_turns};
+use crate::whole_body::solve::PoseTarget;
+use crate::whole_body::stand::relaxed_arms;
+use crate::whole_body::{Anatomy, ArmAngles, Solver, stand};
+use glam::{DQuat, DVec2, DVec3};
+
+/// In how many parts the world takes a tick.
+const PARTS: usize = 2;
+/// s, the longest that a fall goes on, and for how long no link may be faster than that (m/s) for it to be over.
+const LONGEST_FALL: f64 = 2.5;
+const LIES: (f64, f64) = (0.3, 0.08);
+/// m/s, slower it rests.
+const RESTS: f64 = 0.05;
+
+/// What does not change in a run.
+pub(super) struct Course<'a> {
+    pub(super) figure: &'a Figure,
+    pub(super) body: &'a Body,
+    pub(super) anatomy: &'a Anatomy,
+    pub(super) physique: &'a Physique,
+    pub(super) terrain: &'a Terrain,
+    pub(super) pushes: &'a [(KnownPush, bool)],
+    pub(super) things: &'a Things<'a>,
+    /// The stand on level ground.
+    pub(super) level: PoseTarget,
+    /// Where the feet stand at first.
+    pub(super) start: [Plant; 2],
+}
+
+/// The body and all that changes with it.
+#[derive(Clone)]
+pub(super) struct Run {
+    pub(super) world: World,
+    pub(super) control: Controller,
+    pub(super) balls: Balls,
+    /// The pushes, turned the way that it faced when they began.
+    pub(super) acting: Vec<SessionPush>,
+    /// s, for how long it has been at rest.
+    pub(super) rest: f64,
+    states: Vec<LinkState>,
+    carried: Option<usize>,
+    reaction: Reaction,
+    velocity: Option<DVec3>,
+}
+
+/// What a tick knows before the world goes on.
+pub(super) struct Ticked {
+    pub(super) state: TickState,
+    pub(super) report: Report,
+    pub(super) pose: BodyPose,
+    /// N s, by the ground in the last tick, left and right.
+    pub(super) pressed: [f64; 2],
+    pub(super) ground: Terrain,
+    /// More than its feet is on the ground.
+    pub(super) lies: bool,
+    /// The centre of mass over the ground, of its height in the stand.
+    pub(super) height: f64,
+}
+
+fn pose_of(figure: &Figure, states: &[LinkState]) -> BodyPose {
+    let placed: Vec<(DVec3, DQuat)> = states.iter().map(|state| (state.origin, state.turn)).collect();
+    figure.pose(&placed)
+}
+
+/// The law's dials of a person: how soon, how far, how high and with which foot one steps.
+fn tuning_of(person: &Personality) -> Tuning {
+    let mut tuning = Tuning::default();
+    tuning.step.times.iter_mut().for_each(|time| *time *= 1.0 + 0.08 * person.arms_delay);
+    tuning.trigger += 0.012 * person.trunk_gain;
+    tuning.step.outside += 0.04 * person.far_arm;
+    tuning.lift[0] *= 1.0 + 0.15 * person.head_gain;
+    tuning.step.left = 0.06 * person.elbow;
+    tuning
+}
+
+impl Run {
+    pub(super) fn new(course: &Course, standing: &BodyPose, options: &SimulateOptions) -> Result<Run, BrokenBody> {
+        let figure = course.figure;
+        let world = World::new(figure, &figure.placed(course.body, standing), course.terrain, options.dt, PARTS)
+            .map_err(|error| BrokenBody { time: 0.0, what: error.to_string() })?;
+        let control = Controller::new(figure, &world, tuning_of(&options.personality));
+        let act = |(push, turns): &(KnownPush, bool)| SessionPush {
+            start: push.start,
+            duration: push.end - push.start,
+            force: push.force,
+            turns: *turns,
+            arm: 0.0,
+        };
+        Ok(Run {
+            states: control.states().to_vec(),
+            world,
+            control,
+            balls: Balls::default(),
+            acting: course.pushes.iter().map(act).collect(),
+            rest: 0.0,
+            carried: None,
+            reaction: Reaction::new(course.physique, options.personality, options.arms),
+            velocity: None,
+        })
+    }
+
+    /// The law's part of a tick: it reads the world, decides, drives; pushes act, arms are told.
+    pub(super) fn tick(&mut self, course: &Course, time: f64) -> Ticked {
+        let (figure, things, dt) = (course.figure, course.things, self.world.dt);
+        self.world.clear_forces();
+        let ground = course.terrain.held_at(time);
+        let laden = self.carry(figure, course.body, things.loads, time);
+        let model = laden.as_ref().unwrap_or(figure);
+        self.control.order = (things.walk)(time);
+        let report = self.control.tick(model, &mut self.world, &ground);
+        let pressed = figure.legs.map(|leg| self.world.pressed(leg[2]));
+        let facing = yaw_of(self.control.states()[0].turn);
+        for push in self.acting.iter_mut().filter(|push| push.turns && push.start < time + dt - 1e-9) {
+            push.force = DQuat::from_rotation_y(facing) * push.force;
+            push.turns = false;
+        }
+        let (force, moment) = self.push(course, time, report.com);
+        let (hit, hit_moment) = self.balls.felt(report.com, dt);
+        let before = self.velocity.replace(report.velocity).unwrap_or(report.velocity);
+        let pushed = (force + hit, moment + hit_moment);
+        let state = state_of(course, &self.control, &report, pushed, (report.velocity - before) / dt, &ground);
+        let angles = self.reaction.tick(&senses(&state), dt);
+        let (_, _, _, arms) = upper_turns(&angles);
+        self.pose_arms(figure, &self.at_walk(arms));
+        if let Some(hold) = (things.hold)(time + dt) {
+            let held = Solver::new(course.body, course.anatomy).solve(&course.level.holding(hold)).pose;
+            self.pose_held(figure, &figure.placed(course.body, &held), hold.weight);
+        }
+        let rests = self.control.swing.is_none() && report.velocity.length() < RESTS;
+        self.rest = if rests { self.rest + dt } else { 0.0 };
+        let over = report.com.y - ground.spot(DVec2::new(report.com.x, report.com.z)).height;
+        Ticked {
+            state,
+            report,
+            pose: pose_of(figure, self.control.states()),
+            pressed,
+            lies: self.world.lies_on(figure, self.control.states(), &ground).is_some(),
+            height: over / course.physique.com_height,
+            ground,
+        }
+    }
+
+    /// The world's part: balls are let loose, everything moves.
+    pub(super) fn go_on(&mut self, course: &Course, time: f64) -> Result<(), BrokenBody> {
+        let velocity = self.control.report.velocity;
+        let facing = yaw_of(self.control.states()[0].turn);
+        let now = (time, facing, velocity);
+        self.balls.launch(course.figure, course.body, course.things.incoming, &self.states, &mut self.world, now);
+        self.step(course, time)?;
+        self.balls.watch(course.figure, course.body, &self.states, &self.world, time + self.world.dt);
+        Ok(())
+    }
+
+    /// One tick of the world from `time` on, and a look at whether it still holds together.
+    pub(super) fn step(&mut self, course: &Course, time: f64) -> Result<(), BrokenBody> {
+        let after = time + self.world.dt;
+        self.world.step(course.terrain, after);
+        self.world.read(&mut self.states);
+        let broken = World::broken(course.figure, &self.states);
+        match broken.or_else(|| self.world.broken_ball()) {
+            Some(what) => Err(BrokenBody { time: after, what }),
+            None => Ok(()),
+        }
+    }
+
+    /// Balance is lost at that tick: the body comes down with its joints relaxed until it lies.
+    pub(super) fn fall(&mut self, course: &Course, tick: usize, poses: &mut Vec<BodyPose>) -> Result<(), BrokenBody> {
+        let dt = self.world.dt;
+        self.world.read(&mut self.states);
+        let mut lies = 0.0;
+        for fallen in 0..(LONGEST_FALL / dt).round() as usize {
+            self.world.clear_forces();
+            fall::relax(course.figure, &mut self.world, &self.states, fallen as f64 * dt);
+            self.step(course, (tick + fallen) as f64 * dt)?;
+            let time = (tick + fallen + 1) as f64 * dt;
+            self.balls.watch(course.figure, course.body, &self.states, &self.world, time);
+            poses.push(pose_of(course.figure, &self.states));
+            let fastest = self.states.iter().map(|state| state.velocity.length()).fold(0.0, f64::max);
+            lies = if fastest < LIES.1 { lies + dt } else { 0.0 };
+            if lies >= LIES.0 {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Lets the pushes act on their links for the coming tick; their sum, and its moment about the centre of mass.
+    fn push(&mut self, course: &Course, time: f64, com: DVec3) -> (DVec3, DVec3) {
+        let (figure, dt) = (course.figure, self.world.dt);
+        let (mut force, mut moment) = (DVec3::ZERO, DVec3::ZERO);
+        for (push, (known, _)) in self.acting.iter().zip(course.pushes) {
+            let covered = (push.start + push.duration).min(time + dt) - push.start.max(time);
+            let share = (covered / dt).clamp(0.0, 1.0);
+            if share < 1e-9 {
+                continue;
+            }
+            let states = self.control.states();
+            let placed = |joint: usize, offset: DVec3| {
+                let link = figure.link_of[joint];
+                let rest = figure.joint_in_link(course.body, joint) + figure.stand.turns[joint] * offset;
+                (link, states[link].origin + states[link].turn * rest)
+            };
+            let (link, at) = match known.at {
+                PushPoint::Joint(joint) => placed(joint, DVec3::ZERO),
+                PushPoint::Segment(joint, offset) => placed(joint, offset),
+                PushPoint::Centre => (0, com),
+                PushPoint::World(point) => (figure.trunk, point),
+            };
+            self.world.push(link, push.force * share, at, DVec3::ZERO);
+            force += push.force * share;
+            moment += (at - com).cross(push.force * share);
+        }
+        (force, moment)
+    }
+
+    /// Has the box in the hands that is due at `time`; the figure as the law sees it then.
+    fn carry(&mut self, figure: &Figure, body: &Body, loads: &[Load], time: f64) -> Option<Figure> {
+        let due = loads.iter().position(|load| load.span[0] <= time + 1e-9 && time < load.span[1]);
+        if due != self.carried {
+            self.world.let_go();
+            self.carried = due;
+            if let Some(load) = due.map(|index| &loads[index]) {
+                let link = figure.link_of[load.joint];
+                let state = self.states[link];
+                let turn = state.turn * figure.stand.turns[load.joint];
+                let joint = state.origin + state.turn * figure.joint_in_link(body, load.joint);
+                let mass = load.mass_at(time);
+                self.world.take_up(figure, load.size, mass, joint + turn * load.centre, turn * load.level);
+            }
+        }
+        let load = &loads[due?];
+        let mass = load.mass_at(time);
+        self.world.weigh(mass);
+        self.world.laden(figure, &self.states, mass)
+    }
+
+    /// Tells the arms to hold on to a box, that much (0..1), as in that pose of the links.
+    fn pose_held(&mut self, figure: &Figure, held: &[(DVec3, DQuat)], weight: f64) {
+        for (index, link) in figure.links.iter().enumerate() {
+            if let (Part::UpperArm(_) | Part::Forearm(_) | Part::Hand(_), Some(parent)) = (link.part, link.parent) {
+                let turn = held[parent].1.inverse() * held[index].1;
+                self.control.posture[index] = self.control.posture[index].slerp(turn, weight);
+            }
+        }
+    }
+
+    /// The arms of a walker hang, a little bent, and leave the swing to the gait.
+    fn at_walk(&self, arms: [ArmAngles; 2]) -> [ArmAngles; 2] {
+        let speed = if self.control.gait.walks() { self.control.gait.velocity().length() } else { 0.0 };
+        let share = (speed / 0.5).min(1.0);
+        let hang = relaxed_arms();
+        let mix = |a: f64, b: f64| a + (b - a) * share;
+        arms.map(|arm| ArmAngles {
+            raise: mix(arm.raise, hang.raise),
+            abduct: mix(arm.abduct, hang.abduct),
+            inward: mix(arm.inward, hang.inward),
+            elbow: mix(arm.elbow, hang.elbow + 0.2),
+            ..arm
+        })
+    }
+
+    /// Tells the arms how they would be held.
+    fn pose_arms(&mut self, figure: &Figure, arms: &[ArmAngles; 2]) {
+        let lean = DQuat::from_rotation_x(stand::TRUNK_LEAN);
+        for side in Side::BOTH {
+            let [upper, lower] = figure.arms[side as usize];
+            let (wanted, relaxed) = (hung(side, &arms[side as usize]), hung(side, &relaxed_arms()));
+            self.control.posture[upper] = lean * wanted * relaxed.inverse() * lean.inverse();
+            if let crate::ragdoll::figure::Freedom::Hinge { axis, .. } = figure.links[lower].freedom {
+                let bend = arms[side as usize].elbow - relaxed_arms().elbow;
+                self.control.posture[lower] = DQuat::from_axis_angle(axis, bend);
+            }
+        }
+    }
+}
+
+fn senses(tick: &TickState) -> Senses {
+    Senses {
+        acceleration: tick.acceleration,
+        push: tick.push,
+        push_moment: tick.push_moment,
+        xi: tick.xi,
+        velocity: DVec2::new(tick.velocity.x, tick.velocity.z),
+        wanted: tick.walk,
+        crouched: 0.0,
+        on_one: false,
+        feet: tick.feet,
+        planted: tick.planted,
+        facing: tick.facing,
+    }
+}

@@ -1,0 +1,155 @@
+//! Looks ahead for a way to keep the feet: copies of the body are run on with other dials of its law, and the first that stands well is
+//! taken. Scenario space, SI.
+//!
+//! It decides when a push is felt (not before) and whenever a corrective step begins; only where the body as it is would fall, or would
+//! stand in a way that nobody lets pass, is anything else tried. It may know the rest of the push: a clip is authored. The draws hang on the
+//! seed and on the tick, the budget is counted in ticks: the same input finds the same, on any machine.
+
+use super::SimulateOptions;
+use super::run::{Course, Run, Ticked};
+use crate::maths::seed::Seed;
+use crate::measure::gate::{LEAST_LEGS, LONGEST_HOVER};
+use crate::measure::legs;
+use crate::ragdoll::Tuning;
+
+/// s after its beginning, when a push is felt: the quickest of people's answers to a shove (0.1 to 0.15 s from experience of platforms that jerk).
+const FELT: f64 = 0.1;
+/// s, how far ahead a copy is run.
+const AHEAD: f64 = 2.2;
+/// s at rest, after which a copy need not go on.
+const RESTS: f64 = 0.2;
+/// Of the standing height, under which a copy has fallen. It is given up sooner than a body: who gets that low hardly gets up.
+const FALLEN: f64 = 0.62;
+/// Of the bound on the legs' distance, what a copy must keep: keys and planted feet change a little.
+const ROOM: f64 = 1.1;
+/// Share of the body's weight under which a foot is not on the ground.
+const PRESSED: f64 = 0.01;
+/// Candidates at a decision and ticks in all, by effort.
+const EFFORTS: [(usize, usize); 4] = [(0, 0), (24, 6_000), (120, 40_000), (2_000, 3_000_000)];
+
+/// What was looked for, and found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Searched {
+    /// 0 to 3.
+    pub effort: u8,
+    /// Copies that were run with other dials.
+    pub tried: u32,
+    /// Decisions at which one of them was taken.
+    pub chosen: u32,
+}
+
+/// A search on its way.
+pub(super) struct Search {
+    done: Searched,
+    left: usize,
+    seed: u64,
+    dt: f64,
+}
+
+/// How a copy ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Ending {
+    good: bool,
+    /// Less is better.
+    cost: f64,
+}
+
+impl Search {
+    pub(super) fn new(options: &SimulateOptions) -> Search {
+        let effort = options.effort.min(3);
+        let done = Searched { effort, ..Searched::default() };
+        Search { done, left: EFFORTS[usize::from(effort)].1, seed: options.seed, dt: options.dt }
+    }
+
+    pub(super) fn done(&self) -> Searched {
+        self.done
+    }
+
+    /// Whether the tick at `time` may be one to decide at: only then a copy from before it is worth its time.
+    pub(super) fn may_decide(&self, course: &Course, run: &Run, time: f64) -> bool {
+        self.left > 0 && run.control.swing.is_none() && (course.things.walk)(time).is_none()
+    }
+
+    /// Whether it is, now that its law has decided.
+    pub(super) fn decides(&self, run: &Run, time: f64) -> bool {
+        let felt = |start: f64| (start + FELT..start + FELT + self.dt - 1e-9).contains(&time);
+        let steps = run.control.swing.is_some_and(|swing| !swing.comfort);
+        steps || run.acting.iter().any(|push| felt(push.start))
+    }
+
+    /// Other dials from `time` on, where the own do not do and others do better.
+    pub(super) fn better(&mut self, course: &Course, run: &Run, time: f64) -> Option<Tuning> {
+        let own = run.control.tuning;
+        let first = self.roll(course, run, &own, time);
+        if first.good {
+            return None;
+        }
+        let (mut best, mut dials) = (first.cost, None);
+        let fresh = run.control.character;
+        let tick = (time / self.dt).round() as u64;
+        let mut draw = Seed::new(self.seed.wrapping_mul(7919).wrapping_add(tick));
+        for index in 0..EFFORTS[usize::from(self.done.effort)].0 {
+            if self.left == 0 {
+                break;
+            }
+            let near = dials.unwrap_or(own);
+            let next = match index {
+                0 if own != fresh => fresh,
+                _ if index % 2 == 0 => fresh.drawn_near(&mut draw, 1.0),
+                _ => near.drawn_near(&mut draw, 0.5),
+            };
+            self.done.tried += 1;
+            let ending = self.roll(course, run, &next, time);
+            if ending.cost < best {
+                (best, dials) = (ending.cost, Some(next));
+            }
+            if ending.good {
+                break;
+            }
+        }
+        self.done.chosen += u32::from(dials.is_some());
+        dials
+    }
+
+    /// Runs a copy on with those dials.
+    fn roll(&mut self, course: &Course, run: &Run, tuning: &Tuning, time: f64) -> Ending {
+        let mut copy = run.clone();
+        copy.control.tuning = *tuning;
+        let size = course.figure.leg_length / 0.83;
+        let least = PRESSED * course.figure.mass * 9.81 * self.dt;
+        let over = copy.acting.iter().map(|push| push.start + push.duration).fold(0.0, f64::max);
+        let (mut hover, mut longest, mut nearest) = (0.0, 0.0_f64, f64::INFINITY);
+        let steps = copy.control.report.steps;
+        let ticks = (AHEAD / self.dt).round() as usize;
+        for tick in 0..ticks {
+            let now = time + tick as f64 * self.dt;
+            self.left = self.left.saturating_sub(1);
+            let Ticked { lies, height, pressed, .. } = copy.tick(course, now);
+            if tick > 0 {
+                hover = if pressed.iter().all(|foot| *foot < least) { hover + self.dt } else { 0.0 };
+                longest = longest.max(hover);
+            }
+            nearest = nearest.min(legs_apart(course, &copy) / size);
+            let stood = tick as f64 * self.dt;
+            if lies || height < FALLEN || copy.go_on(course, now).is_err() {
+                return Ending { good: false, cost: 100.0 - 10.0 * stood };
+            }
+            if copy.rest > RESTS && now > over {
+                break;
+            }
+        }
+        let hovers = (longest - LONGEST_HOVER).max(0.0);
+        let crossed = (ROOM * LEAST_LEGS - nearest).max(0.0);
+        let rests = copy.rest > RESTS;
+        let taken = copy.control.report.steps.saturating_sub(steps) as f64;
+        let cost = 40.0 * hovers + 60.0 * crossed + 0.1 * taken + if rests { 0.0 } else { 1.0 };
+        Ending { good: hovers <= 0.0 && crossed <= 0.0, cost }
+    }
+}
+
+/// m, between the axes of the legs.
+fn legs_apart(course: &Course, run: &Run) -> f64 {
+    let states = run.control.states();
+    let [left, right] = course.figure.legs.map(|leg| leg.map(|link| states[link].origin));
+    legs::distance(&left, &right)
+}
