@@ -4,6 +4,7 @@
 //! stand, so a link's rotation is its turn from the stand. Joints follow the 30 degrees of freedom of the method's table;
 //! a joint of two angles is a ball with a stiff third, for the engine knows joints of one and of three. Knows no engine.
 
+use crate::measure::joints::LegAngles;
 use crate::model::{Body, BodyPose, Role, Side};
 use glam::{DMat3, DQuat, DVec3};
 
@@ -116,6 +117,8 @@ pub struct Figure {
     pub leg_length: f64,
     /// m, ankle over the sole.
     pub ankle_height: f64,
+    /// rad, how far each leg's hip may still flex and abduct from the stand and its ankle flex and invert: least and most; left, right.
+    pub leg_ranges: [[[f64; 2]; 4]; 2],
 }
 
 /// What moves as one with its neighbour to save time.
@@ -305,8 +308,23 @@ impl<'a> Maker<'a> {
             soles,
             leg_length,
             ankle_height: 0.5 * (self.body.feet[0].ankle_height + self.body.feet[1].ankle_height),
+            leg_ranges: self.leg_ranges(),
             links: self.links,
         }
+    }
+
+    /// As the measures have them, from the stand.
+    fn leg_ranges(&self) -> [[[f64; 2]; 4]; 2] {
+        let angles = LegAngles::of(self.body);
+        Side::BOTH.map(|side| {
+            let at = angles.at(self.stand, side).unwrap_or_default();
+            let mut ranges = angles.ranges(side);
+            for (range, at) in ranges.iter_mut().zip(at) {
+                // Who stands past an end may stand.
+                *range = [(range[0] - at).min(0.0), (range[1] - at).max(0.0)];
+            }
+            ranges
+        })
     }
 
     /// The link that a joint of the body moves with: its own or the nearest above.

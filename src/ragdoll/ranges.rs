@@ -5,6 +5,7 @@
 
 use super::figure::{Figure, Freedom, Part};
 use crate::dynamics::{Range, Swing};
+use crate::model::Side;
 use glam::DVec3;
 
 /// The range of a link's joint.
@@ -22,26 +23,34 @@ pub(super) fn range_of(figure: &Figure, index: usize) -> Range {
             let across = (DVec3::X - along * along.x).normalize_or(DVec3::Z);
             let ahead = along.cross(across);
             let ahead = if ahead.dot(DVec3::Z) + 1e-3 * ahead.dot(DVec3::Y) < 0.0 { -ahead } else { ahead };
-            let [x, z, twist] = ends(link.part);
+            let [x, z, twist] = ends(figure, link.part);
             Range::Ball(Swing { along, about: [across, ahead], swing: [x, z], twist })
         }
     }
 }
 
 /// Least and most about x (forwards bends a trunk by more, a limb by less), about z, and about the bone.
-fn ends(part: Part) -> [[f64; 2]; 3] {
-    // Outward of a left limb is about +z; its bone points down, so that turning it outward is about -y, which is about +bone.
-    let sided = |x: [f64; 2], out: [f64; 2], twist: f64, left: bool| {
-        let z = if left { out } else { [-out[1], -out[0]] };
-        [x, z, [-twist, twist]]
-    };
+fn ends(figure: &Figure, part: Part) -> [[f64; 2]; 3] {
+    // Outward of a left limb is about +z; its bone points down.
+    let sided = |side: Side, out: [f64; 2]| if side == Side::Left { out } else { [-out[1], -out[0]] };
+    let turned = |range: [f64; 2]| [-range[1], -range[0]];
+    let inner = |range: [f64; 2]| [(range[0] + INSIDE).min(0.0), (range[1] - INSIDE).max(0.0)];
     match part {
         Part::Trunk => [[-0.35, 0.9], [-0.45, 0.45], [-0.6, 0.6]],
         Part::Head => [[-0.7, 0.7], [-0.5, 0.5], [-1.0, 1.0]],
-        Part::UpperArm(side) => sided([-2.6, 0.8], [-0.4, 2.3], 1.2, side.sign() > 0.0),
+        Part::UpperArm(side) => [[-2.6, 0.8], sided(side, [-0.4, 2.3]), [-1.2, 1.2]],
         Part::Hand(_) => [[-0.8, 0.8], [-0.5, 0.5], [-0.3, 0.3]],
-        Part::Thigh(side) => sided([-2.18, 0.52], [-0.52, 0.785], 0.8, side.sign() > 0.0),
-        Part::Foot(side) => sided([-0.52, 0.87], [-0.35, 0.52], 0.4, side.sign() > 0.0),
+        Part::Thigh(side) => {
+            let [flexion, abduction, ..] = figure.leg_ranges[side as usize].map(inner);
+            [turned(flexion), sided(side, abduction), [-0.8, 0.8]]
+        }
+        Part::Foot(side) => {
+            let [.., flexion, inversion] = figure.leg_ranges[side as usize].map(inner);
+            [turned(flexion), sided(side, turned(inversion)), [-0.4, 0.4]]
+        }
         Part::Pelvis | Part::Forearm(_) | Part::Shank(_) => [[-3.0, 3.0]; 3],
     }
 }
+
+/// rad, by which legs stay inside the measures' ranges: so much turns what is held for keys.
+const INSIDE: f64 = 0.02;
