@@ -19,6 +19,8 @@ const PLACE: f64 = 3.8e-3;
 const TURN: f64 = 1.5 * std::f64::consts::PI / 180.0;
 /// rad: on rolling ground, and on an edge of a sole, a foot that stands still may lean so far against the ground.
 const LEANS: f64 = 5.0 * std::f64::consts::PI / 180.0;
+/// rad: a sole that leans by less is not raised.
+const RAISED: f64 = 0.9 * std::f64::consts::PI / 180.0;
 /// Ticks: a shorter contact is none.
 const LEAST: usize = 5;
 /// Ticks between contacts of a foot that creeps: room to go over from one to the next.
@@ -88,14 +90,16 @@ impl<'a> Track<'a> {
         let taken = |index: usize| flat.iter().any(|span| span.from <= index && index <= span.to);
         let mut rolls = self.gathered(&|index| if taken(index) { None } else { self.rolls(index) });
         for roll in &mut rolls {
-            // Parts that follow on one another meet; else there is room to go over from one to the next.
+            // Parts that follow on one another meet, at one end; else there is room to go over from one to the next.
             let before = flat.iter().rev().find(|span| span.to < roll.from).map(|span| span.to);
             let after = flat.iter().find(|span| span.from > roll.to).map(|span| span.from);
             if let Some(before) = before {
                 roll.from = if roll.from == before + 1 { before } else { roll.from.max(before + BETWEEN) };
             }
             if let Some(after) = after {
-                roll.to = if roll.to + 1 == after { after } else { roll.to.min(after.saturating_sub(BETWEEN)) };
+                let meets = before.is_some_and(|before| before == roll.from);
+                roll.to =
+                    if roll.to + 1 == after && !meets { after } else { roll.to.min(after.saturating_sub(BETWEEN)) };
             }
         }
         rolls.retain(|span| span.to < count && span.to + 1 >= span.from + LEAST);
@@ -122,12 +126,8 @@ impl<'a> Track<'a> {
     /// The same from touchdown to lift-off, as far as the foot is no farther than it may be from where it stands.
     fn settled(&self, span: &Span, before: Option<usize>, after: Option<usize>) -> Span {
         let mut wide = *span;
-        let centre = self.centre(span);
-        let fits = |index: usize| {
-            let marks = self.marks(index, span.part);
-            let off = |place: usize| marks[place].distance(centre[place]);
-            off(0).max(off(1)) <= PLACE * self.size && off(2).max(off(3)) <= TURN
-        };
+        let centre = self.median(span);
+        let fits = |index: usize| self.is_near(&centre, index, span.part);
         while wide.from < wide.to && !fits(wide.from) {
             wide.from += 1;
         }
@@ -137,14 +137,28 @@ impl<'a> Track<'a> {
         let last = self.feet.len() - 1;
         let (least, most) =
             (before.map_or(0, |before| before + BETWEEN), after.map_or(last, |after| after.saturating_sub(BETWEEN)));
-        // What pressed by a tick pressed in the time before it.
-        while wide.from > least && self.pressed[wide.from] && fits(wide.from - 1) {
-            wide.from -= 1;
-        }
         while wide.to < most && self.pressed[wide.to + 1] && fits(wide.to + 1) {
             wide.to += 1;
         }
+        // A foot that comes down settles: all of that is one contact where it can be. What pressed by a tick pressed in the time
+        // before it.
+        let mut extent = Extent::default();
+        (wide.from..=wide.to).for_each(|index| self.take(&mut extent, index, wide.part));
+        while wide.from > least && self.pressed[wide.from] {
+            self.take(&mut extent, wide.from - 1, wide.part);
+            if !self.fits(&extent) {
+                break;
+            }
+            wide.from -= 1;
+        }
         wide
+    }
+
+    /// Whether what a part holds is no farther than it may be from there at a tick.
+    fn is_near(&self, centre: &[DVec3; 4], index: usize, part: Part) -> bool {
+        let marks = self.marks(index, part);
+        let off = |place: usize| marks[place].distance(centre[place]);
+        off(0).max(off(1)) <= PLACE * self.size && off(2).max(off(3)) <= TURN
     }
 
     /// Whether the foot stands on all of its sole at a tick.
@@ -160,7 +174,8 @@ impl<'a> Track<'a> {
         let toe_down = self.ahead(index).dot(self.ground(index).1) < 0.0;
         let part = if toe_down { Part::Ball } else { Part::Heel };
         let point = |index: usize| self.points[usize::from(toe_down)][index];
-        (self.pressed[index] && self.slow(index, &point) && self.near(index, part)).then_some(part)
+        let raised = self.leans(index) > RAISED && self.near(index, part);
+        (self.pressed[index] && raised && self.slow(index, &point)).then_some(part)
     }
 
     /// Whether a point hardly moves just before a tick or just after it.
@@ -233,8 +248,19 @@ impl<'a> Track<'a> {
         self.marks(index, part).iter().enumerate().for_each(|(place, mark)| extent.take(place, *mark));
     }
 
-    /// What is held in a span: the median of its marks, which a few ticks at its ends do not move.
+    /// What is held in a span: the median of its marks, or their middle where the median is too far from some.
     fn centre(&self, span: &Span) -> [DVec3; 4] {
+        let median = self.median(span);
+        if (span.from..=span.to).all(|index| self.is_near(&median, index, span.part)) {
+            return median;
+        }
+        let mut extent = Extent::default();
+        (span.from..=span.to).for_each(|index| self.take(&mut extent, index, span.part));
+        extent.middle()
+    }
+
+    /// The median of a span's marks, which a few ticks at its ends do not move.
+    fn median(&self, span: &Span) -> [DVec3; 4] {
         let marks: Vec<[DVec3; 4]> = (span.from..=span.to).map(|index| self.marks(index, span.part)).collect();
         let mut values = Vec::with_capacity(marks.len());
         let mut median = |place: usize, axis: usize| {
@@ -328,6 +354,10 @@ impl Extent {
     fn take(&mut self, place: usize, mark: DVec3) {
         self.low[place] = self.low[place].min(mark);
         self.high[place] = self.high[place].max(mark);
+    }
+
+    fn middle(&self) -> [DVec3; 4] {
+        [0, 1, 2, 3].map(|place| 0.5 * (self.low[place] + self.high[place]))
     }
 
     /// m, from the middle to the farthest point.
