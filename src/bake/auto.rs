@@ -10,6 +10,9 @@ use crate::model::report::Outcome;
 use crate::model::scenario::{GroundKind, Scenario};
 use crate::rig::Rig;
 
+/// Why the ragdoll is kept where balls, a box or a platform meet a body that stays up.
+const TOUCHED: &str = "things touch the body";
+
 /// Why a drive was chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
@@ -31,9 +34,19 @@ pub enum Fall {
     Down(f64),
 }
 
-/// Bakes with the drive that does it better.
+/// Bakes with the drive that does it better. Where things touch a body that stays up the stepper has no say, and bakes nothing.
 pub(super) fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions, helped: Helped) -> Result<Baked, BakeError> {
-    bake_by(rig, scenario, options, Drive::Stepper).map(|stepper| choose(stepper, rig, scenario, options, helped))
+    let stepper = || bake_by(rig, scenario, options, Drive::Stepper);
+    if !touched(scenario) || !unplayed(scenario).is_empty() {
+        return stepper().map(|stepper| choose(stepper, rig, scenario, options, helped));
+    }
+    let ragdoll = bake_by(rig, scenario, options, Drive::Ragdoll(helped));
+    match ragdoll {
+        Ok(ragdoll) if ragdoll.fall().is_none() && stroll(scenario, &ragdoll.performance) != Stroll::Never => {
+            Ok(ragdoll.chosen(TOUCHED.into(), None))
+        }
+        ragdoll => stepper().map(|stepper| better(stepper, ragdoll, scenario)),
+    }
 }
 
 /// The stepper's clip of that scenario, or the ragdoll's where that is better.
@@ -42,7 +55,12 @@ pub fn choose(stepper: Baked, rig: &Rig, scenario: &Scenario, options: &BakeOpti
     if !unplayed.is_empty() {
         return stepper.chosen(format!("the ragdoll cannot play {} yet", unplayed.join(", ")), None);
     }
-    let ragdoll = match bake_by(rig, scenario, options, Drive::Ragdoll(helped)) {
+    better(stepper, bake_by(rig, scenario, options, Drive::Ragdoll(helped)), scenario)
+}
+
+/// The better of two clips.
+fn better(stepper: Baked, ragdoll: Result<Baked, BakeError>, scenario: &Scenario) -> Baked {
+    let ragdoll = match ragdoll {
         Ok(baked) => baked,
         Err(error) => return stepper.chosen(format!("of the ragdoll, {error}"), None),
     };
@@ -60,7 +78,7 @@ pub fn choose(stepper: Baked, rig: &Rig, scenario: &Scenario, options: &BakeOpti
             }
         }
         _ if stays => stepper.chosen("the ragdoll does not set off".into(), Some(scores.1)),
-        _ if touched(scenario) => ragdoll.chosen("things touch the body".into(), Some(scores.0)),
+        _ if touched(scenario) => ragdoll.chosen(TOUCHED.into(), Some(scores.0)),
         _ if scores.1 > scores.0 => ragdoll.chosen("its clip is the more plausible".into(), Some(scores.0)),
         _ => stepper.chosen("its clip is the more plausible".into(), Some(scores.1)),
     }

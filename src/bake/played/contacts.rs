@@ -19,6 +19,8 @@ const PLACE: f64 = 3.8e-3;
 const TURN: f64 = 1.5 * std::f64::consts::PI / 180.0;
 /// rad: on rolling ground, and on an edge of a sole, a foot that stands still may lean so far against the ground.
 const LEANS: f64 = 5.0 * std::f64::consts::PI / 180.0;
+/// rad: a sole that leans by less is not raised.
+const RAISED: f64 = 0.9 * std::f64::consts::PI / 180.0;
 /// Ticks: a shorter contact is none.
 const LEAST: usize = 5;
 /// Ticks between contacts of a foot that creeps: room to go over from one to the next.
@@ -77,7 +79,38 @@ impl<'a> Track<'a> {
 
     /// The contacts as the run has them.
     pub(super) fn spans(&self) -> Vec<Span> {
-        let parts: Vec<Option<Part>> = (0..self.feet.len()).map(|index| self.part(index)).collect();
+        let count = self.feet.len();
+        let mut flat = self.gathered(&|index| self.lies(index).then_some(Part::Flat));
+        for index in 0..flat.len() {
+            let before = index.checked_sub(1).map(|before| flat[before].to);
+            let after = flat.get(index + 1).map(|after| after.from);
+            flat[index] = self.settled(&flat[index], before, after);
+        }
+        flat.retain(|span| span.to + 1 >= span.from + LEAST);
+        let taken = |index: usize| flat.iter().any(|span| span.from <= index && index <= span.to);
+        let mut rolls = self.gathered(&|index| if taken(index) { None } else { self.rolls(index) });
+        for roll in &mut rolls {
+            // Parts that follow on one another meet, at one end; else there is room to go over from one to the next.
+            let before = flat.iter().rev().find(|span| span.to < roll.from).map(|span| span.to);
+            let after = flat.iter().find(|span| span.from > roll.to).map(|span| span.from);
+            if let Some(before) = before {
+                roll.from = if roll.from == before + 1 { before } else { roll.from.max(before + BETWEEN) };
+            }
+            if let Some(after) = after {
+                let meets = before.is_some_and(|before| before == roll.from);
+                roll.to =
+                    if roll.to + 1 == after && !meets { after } else { roll.to.min(after.saturating_sub(BETWEEN)) };
+            }
+        }
+        rolls.retain(|span| span.to < count && span.to + 1 >= span.from + LEAST);
+        flat.extend(rolls);
+        flat.sort_by_key(|span| span.from);
+        flat
+    }
+
+    /// Spans in which a part holds, as `part` says, cut where what it holds has gone too far.
+    fn gathered(&self, part: &dyn Fn(usize) -> Option<Part>) -> Vec<Span> {
+        let parts: Vec<Option<Part>> = (0..self.feet.len()).map(part).collect();
         let mut spans = Vec::new();
         let mut from = 0;
         while from < parts.len() {
@@ -87,62 +120,62 @@ impl<'a> Track<'a> {
             }
             from = to + 1;
         }
-        // Parts that follow on one another meet in the tick between them.
-        for index in 1..spans.len() {
-            let before: Span = spans[index - 1];
-            if spans[index].from == before.to + 1 && spans[index].part != before.part {
-                spans[index].from = before.to;
-            }
-        }
-        for index in 0..spans.len() {
-            let before = index.checked_sub(1).map(|before| spans[before].to);
-            let after = spans.get(index + 1).map(|after| after.from);
-            spans[index] = self.widened(&spans[index], before, after);
-        }
         spans
     }
 
-    /// The same from touchdown to lift-off, as far as what it holds is no farther than it may be from where it is then.
-    fn widened(&self, span: &Span, before: Option<usize>, after: Option<usize>) -> Span {
+    /// The same from touchdown to lift-off, as far as the foot is no farther than it may be from where it stands.
+    fn settled(&self, span: &Span, before: Option<usize>, after: Option<usize>) -> Span {
         let mut wide = *span;
-        let mut extent = self.extent(span);
-        let mut fits = |index: usize| {
-            let mut wider = extent;
-            self.take(&mut wider, index, span.part);
-            let fits = self.fits(&wider);
-            if fits {
-                extent = wider;
-            }
-            fits
-        };
+        let centre = self.median(span);
+        let fits = |index: usize| self.is_near(&centre, index, span.part);
+        while wide.from < wide.to && !fits(wide.from) {
+            wide.from += 1;
+        }
+        while wide.to > wide.from && !fits(wide.to) {
+            wide.to -= 1;
+        }
         let last = self.feet.len() - 1;
         let (least, most) =
             (before.map_or(0, |before| before + BETWEEN), after.map_or(last, |after| after.saturating_sub(BETWEEN)));
-        // What pressed by a tick pressed in the time before it.
-        while wide.from > least && self.pressed[wide.from] && fits(wide.from - 1) {
-            wide.from -= 1;
-        }
         while wide.to < most && self.pressed[wide.to + 1] && fits(wide.to + 1) {
             wide.to += 1;
+        }
+        // A foot that comes down settles: all of that is one contact where it can be. What pressed by a tick pressed in the time
+        // before it.
+        let mut extent = Extent::default();
+        (wide.from..=wide.to).for_each(|index| self.take(&mut extent, index, wide.part));
+        while wide.from > least && self.pressed[wide.from] {
+            self.take(&mut extent, wide.from - 1, wide.part);
+            if !self.fits(&extent) {
+                break;
+            }
+            wide.from -= 1;
         }
         wide
     }
 
-    /// The part that holds at a tick.
-    fn part(&self, index: usize) -> Option<Part> {
-        if !self.pressed[index] {
-            return None;
-        }
-        let ankles = |index: usize| self.feet[index].ankle;
+    /// Whether what a part holds is no farther than it may be from there at a tick.
+    fn is_near(&self, centre: &[DVec3; 4], index: usize, part: Part) -> bool {
+        let marks = self.marks(index, part);
+        let off = |place: usize| marks[place].distance(centre[place]);
+        off(0).max(off(1)) <= PLACE * self.size && off(2).max(off(3)) <= TURN
+    }
+
+    /// Whether the foot stands on all of its sole at a tick.
+    fn lies(&self, index: usize) -> bool {
+        let ankle = |index: usize| self.feet[index].ankle;
         let ball = |index: usize| self.points[1][index];
-        let leans = self.leans(index);
-        if leans < LEANS && self.slow(index, &ankles) && self.slow(index, &ball) && self.near(index, Part::Flat) {
-            return Some(Part::Flat);
-        }
+        let still = self.slow(index, &ankle) && self.slow(index, &ball);
+        self.pressed[index] && self.leans(index) < LEANS && still && self.near(index, Part::Flat)
+    }
+
+    /// What it turns about at a tick, raised.
+    fn rolls(&self, index: usize) -> Option<Part> {
         let toe_down = self.ahead(index).dot(self.ground(index).1) < 0.0;
         let part = if toe_down { Part::Ball } else { Part::Heel };
-        let point = |index: usize| self.points[usize::from(part == Part::Ball)][index];
-        (self.slow(index, &point) && self.near(index, part)).then_some(part)
+        let point = |index: usize| self.points[usize::from(toe_down)][index];
+        let raised = self.leans(index) > RAISED && self.near(index, part);
+        (self.pressed[index] && raised && self.slow(index, &point)).then_some(part)
     }
 
     /// Whether a point hardly moves just before a tick or just after it.
@@ -215,10 +248,28 @@ impl<'a> Track<'a> {
         self.marks(index, part).iter().enumerate().for_each(|(place, mark)| extent.take(place, *mark));
     }
 
-    fn extent(&self, span: &Span) -> Extent {
+    /// What is held in a span: the median of its marks, or their middle where the median is too far from some.
+    fn centre(&self, span: &Span) -> [DVec3; 4] {
+        let median = self.median(span);
+        if (span.from..=span.to).all(|index| self.is_near(&median, index, span.part)) {
+            return median;
+        }
         let mut extent = Extent::default();
         (span.from..=span.to).for_each(|index| self.take(&mut extent, index, span.part));
-        extent
+        extent.middle()
+    }
+
+    /// The median of a span's marks, which a few ticks at its ends do not move.
+    fn median(&self, span: &Span) -> [DVec3; 4] {
+        let marks: Vec<[DVec3; 4]> = (span.from..=span.to).map(|index| self.marks(index, span.part)).collect();
+        let mut values = Vec::with_capacity(marks.len());
+        let mut median = |place: usize, axis: usize| {
+            values.clear();
+            values.extend(marks.iter().map(|marks| marks[place][axis]));
+            values.sort_by(f64::total_cmp);
+            values.get(values.len() / 2).copied().unwrap_or_default()
+        };
+        [0, 1, 2, 3].map(|place| DVec3::new(median(place, 0), median(place, 1), median(place, 2)))
     }
 
     fn fits(&self, extent: &Extent) -> bool {
@@ -256,15 +307,15 @@ impl<'a> Track<'a> {
 
     fn hold(&self, span: &Span) -> Hold {
         let Span { part, from, to } = *span;
-        let extent = self.extent(span);
+        let centre = self.centre(span);
         let body = self.run.body;
         let shape = &body.feet[self.side as usize];
         let middle = (from + to) / 2;
-        let heading = if part == Part::Flat { extent.middle(3) } else { self.ahead(middle) };
+        let heading = if part == Part::Flat { centre[3] } else { self.ahead(middle) };
         let yaw = heading.x.atan2(heading.z);
-        let point = extent.middle(0);
+        let point = centre[0];
         let spot = self.run.terrain.spot(DVec2::new(point.x, point.z));
-        let mean = extent.middle(2).normalize_or(spot.normal);
+        let mean = centre[2].normalize_or(spot.normal);
         // A sole lies on its ground, where that is no farther than it may be held from the run.
         let lies = part != Part::Flat || (from..=to).all(|index| self.up(index).angle_between(spot.normal) < TURN);
         let normal = if lies { spot.normal } else { mean };
@@ -305,8 +356,8 @@ impl Extent {
         self.high[place] = self.high[place].max(mark);
     }
 
-    fn middle(&self, place: usize) -> DVec3 {
-        0.5 * (self.low[place] + self.high[place])
+    fn middle(&self) -> [DVec3; 4] {
+        [0, 1, 2, 3].map(|place| 0.5 * (self.low[place] + self.high[place]))
     }
 
     /// m, from the middle to the farthest point.
@@ -322,7 +373,7 @@ impl Extent {
 
 /// The spans without the ticks at which something is too far from the run; `drop`: without the whole span.
 pub(super) fn cut(spans: &[Span], beyond: &[usize], drop: bool) -> Vec<Span> {
-    let mut kept = Vec::new();
+    let mut kept: Vec<Span> = Vec::new();
     for span in spans {
         let near = |tick: &&usize| **tick + LEAST >= span.from && **tick <= span.to + LEAST;
         let mut bad: Vec<usize> = beyond.iter().filter(near).copied().collect();
@@ -344,5 +395,24 @@ pub(super) fn cut(spans: &[Span], beyond: &[usize], drop: bool) -> Vec<Span> {
             from = from.max(tick + 2);
         }
     }
+    // Parts that met meet again, the flat foot's end where it is now.
+    for pair in spans.windows(2).filter(|pair| pair[0].to == pair[1].from) {
+        let before = kept.iter().rposition(|span| span.part == pair[0].part && within(span, &pair[0]));
+        let after = kept.iter().position(|span| span.part == pair[1].part && within(span, &pair[1]));
+        let (Some(before), Some(after)) = (before, after) else { continue };
+        if kept[after].from - kept[before].to > BETWEEN {
+            continue;
+        }
+        if kept[before].part == Part::Flat {
+            kept[after].from = kept[before].to;
+        } else {
+            kept[before].to = kept[after].from;
+        }
+    }
     kept
+}
+
+/// Whether a span is a piece of another.
+fn within(span: &Span, whole: &Span) -> bool {
+    whole.from <= span.from && span.to <= whole.to
 }
