@@ -57,8 +57,8 @@ fn forces(report: &Plausibility, friction: f64) -> [Term; 10] {
 /// What an eye sees of the body in single frames.
 fn posture(report: &Plausibility) -> [Term; 4] {
     [
-        // Worse than all but hover to an animator, and no dial hides it. At 100 mm
-        // knees are in each other and 0.71 of the score are left, at 0, where the axes meet, 0.41.
+        // Worse than all but hover to an animator, and no dial hides it. At 100 mm knees are in each other and 0.71 of the
+        // score are left, at 0, where the axes meet, 0.41.
         (7.0, (1000.0 * LEGS_APART - report.legs_mm).max(0.0), 25.0),
         // Ranges differ by 5 to 10 degrees from one person to the next: that much is hardly seen, 30 is a broken joint.
         (2.0, report.joint_excess_deg, 15.0),
