@@ -11,9 +11,9 @@ use crate::model::report::Plausibility;
 
 /// m/s, what people's ankles reach.
 pub const ANKLE_SPEED: f64 = 8.0;
-/// m at the reference leg, between the axes of thighs and shanks; nearer, the legs of most characters touch: calves and knees
-/// are 10 to 11 cm wide. Walks come down to 13, a stand has 18.
-pub const LEGS_APART: f64 = 0.10;
+/// m at the reference leg, between the axes of thighs and shanks; nearer, the legs of most characters touch somewhere: knees
+/// are 11 cm wide, thighs 15 and more. Baked walks come down to 13, a stand has 18.
+pub const LEGS_APART: f64 = 0.125;
 /// mm at the reference leg, how far from side by side feet may stand: people's own stands differ by as much (their heels
 /// are 17 cm apart at the mean and the feet 14 degrees, McIlroy and Maki 1997), and the style dial spreads them so far.
 const EASY_STANCE: f64 = 60.0;
@@ -57,8 +57,8 @@ fn forces(report: &Plausibility, friction: f64) -> [Term; 10] {
 /// What an eye sees of the body in single frames.
 fn posture(report: &Plausibility) -> [Term; 4] {
     [
-        // Worse than all but hover to an animator, and no dial hides it. At 75 mm a quarter of each leg is in the other and
-        // 0.71 of the score are left, at 0, where the axes meet, 0.45.
+        // Worse than all but hover to an animator, and no dial hides it. At 100 mm knees are in each other and 0.71 of the
+        // score are left, at 0, where the axes meet, 0.41.
         (7.0, (1000.0 * LEGS_APART - report.legs_mm).max(0.0), 25.0),
         // Ranges differ by 5 to 10 degrees from one person to the next: that much is hardly seen, 30 is a broken joint.
         (2.0, report.joint_excess_deg, 15.0),
@@ -102,7 +102,7 @@ mod tests {
             |p, x| p.penetration_max_mm += x,
             |p, x| p.peak_ankle_speed = 8.0 + x,
             |p, x| p.speed_ratio = 1.1 + 0.1 * x,
-            |p, x| p.legs_mm = 100.0 - x,
+            |p, x| p.legs_mm = 125.0 - x,
             |p, x| p.joint_excess_deg = x,
             |p, x| p.joint_excess_share = 0.1 * x,
             |p, x| p.pops_deg = x,
@@ -131,7 +131,7 @@ mod tests {
             change(&mut report);
             score(&report, 1.0, false)
         };
-        assert_eq!(of(&|p| (p.legs_mm, p.end_stance_mm) = (100.0, 60.0)), 1.0);
+        assert_eq!(of(&|p| (p.legs_mm, p.end_stance_mm) = (125.0, 60.0)), 1.0);
         // In the order in which an animator ranked them: hover, legs, the last stance; a fall before all.
         let fall = of(&|p| p.falls = true);
         let hover = of(&|p| p.hover_s = 0.7);
