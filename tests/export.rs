@@ -54,6 +54,7 @@ pub fn report(clip: &Clip) -> ClipReport {
         base: None,
         looped: None,
         drift: None,
+        search: None,
         plausibility: Plausibility::default(),
     }
 }

@@ -13,7 +13,7 @@ use surefoot::correct::{Done, told};
 use surefoot::mocap::Options;
 use surefoot::model::findings::{Abstained, ClipFlag, Findings, Flag, FootContact, Rule, StepVerdict};
 use surefoot::model::report::{
-    Assist, BaseReport, BodyReport, ClipReport, Contact, Disturbance, Drift, Event, JointTorque, LoopReport, Outcome,
+    Assist, BaseReport, BodyReport, ClipReport, Contact, Disturbance, Drift, Event, JointTorque, Search, LoopReport, Outcome,
     Part, Plausibility,
 };
 use surefoot::model::{Capture, Side};
@@ -120,6 +120,7 @@ fn report() -> ClipReport {
         assist: Assist { peak_nm: 0.0, rms_nm: 0.0, peak_n: 0.0, rms_n: 0.0 },
         torques: vec![JointTorque { joint: "leftUpperLeg".into(), peak_nm: 100.0, share: 0.2 }],
         drift: Some(Drift { position_mm: 2.5, angle_deg: 1.25 }),
+        search: Some(Search { effort: 1, tried: 12, chosen: 2 }),
         plausibility: Plausibility {
             score: 1.0,
             zmp_inside: 1.0,

@@ -71,6 +71,8 @@ pub struct BakeOptions {
     pub looped: bool,
     /// How its keys are joined. Cycles and clips over a captured base are joined by straight lines all the same.
     pub curves: Curves,
+    /// How far the articulated body looks ahead for a way to keep its feet: 0 (not at all) to 3 (minutes).
+    pub effort: u8,
 }
 
 /// A baked clip and what is known of it.
@@ -131,6 +133,7 @@ impl Default for BakeOptions {
             base: None,
             looped: false,
             curves: Curves::Linear,
+            effort: 1,
         }
     }
 }
@@ -152,7 +155,7 @@ fn bake_by(rig: &Rig, scenario: &Scenario, options: &BakeOptions, drive: Drive) 
         None => rig.body.clone(),
     };
     let seed = options.seed.unwrap_or(scenario.seed);
-    let performance = perform::perform_over(&body, scenario, seed, drive, options.base.as_ref())?;
+    let performance = perform::perform_over(&body, scenario, seed, (drive, options.effort), options.base.as_ref())?;
     if options.looped {
         return looped::bake(rig, scenario, options, performance, seed);
     }

@@ -9,9 +9,8 @@ use super::contacts::{self, FootContact};
 use super::ragdoll::{self, Drive};
 use super::throws::{self, Ball};
 use super::timeline::Timeline;
-use super::{BakeError, ankles, apart, balance, care, feet, footing, knees, played, pushes, reach};
+use super::{BakeError, BakeOptions, ankles, apart, balance, care, feet, footing, knees, played, pushes, reach};
 use crate::maths::curve::smooth3;
-use crate::maths::seed::Seed;
 use crate::measure::joints::LegAngles;
 use crate::measure::{Frame, KnownPush, PushPoint};
 use crate::model::scenario::{Character, Feet, Scenario};
@@ -73,19 +72,19 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
 
 /// Runs the scenario on a body.
 pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> Result<Performance, BakeError> {
-    perform_over(body, scenario, seed, drive, None)
+    perform_over(body, scenario, seed, (drive, BakeOptions::default().effort), None)
 }
 
-/// The same, starting from a base clip and returning to it.
+/// The same, with that effort, starting from a base clip and returning to it.
 pub fn perform_over(
     body: &Body,
     scenario: &Scenario,
     seed: u64,
-    drive: Drive,
+    (drive, effort): (Drive, u8),
     base: Option<&Arc<Base>>,
 ) -> Result<Performance, BakeError> {
     if let Drive::Ragdoll(helped) | Drive::Auto(helped) = drive {
-        return played::perform::perform(body, scenario, seed, helped);
+        return played::perform::perform(body, scenario, seed, (helped, effort));
     }
     let anatomy = Anatomy::new(body);
     let mut over = base.map(|base| Over::new(base, body, &anatomy, scenario)).transpose()?;
@@ -386,16 +385,7 @@ fn upper_body(
     (seed, over_a_walk): (u64, bool),
     scenario: &Scenario,
 ) -> Vec<UpperAngles> {
-    let mut draw = Seed::new(seed);
-    let mut one = || draw.between(-1.0, 1.0);
-    let personality = Personality {
-        arms_gain: one(),
-        far_arm: one(),
-        arms_delay: one(),
-        trunk_gain: one(),
-        head_gain: one(),
-        elbow: one(),
-    };
+    let personality = Personality::drawn(seed);
     let unhurried = style(&scenario.character).unhurried();
     let mut reaction = Reaction::new(physique, personality, scenario.character.style.arms).unhurried(unhurried);
     if over_a_walk {

@@ -117,18 +117,21 @@ pub(super) fn run(
         (!scenario.walk.is_empty()).then_some(Order { velocity, facing: intent.facing })
     };
     let things = Things { incoming: &incoming, loads, hold: &hold, walk: &walk };
-    let once = |bound: Assist| -> Result<Driven, BakeError> {
-        let run = simulate_with(body, anatomy, physique, &terrain, options, pushes, bound, &things)
+    let once = |bound: Assist, effort: u8| -> Result<Driven, BakeError> {
+        let options = SimulateOptions { effort, ..*options };
+        let run = simulate_with(body, anatomy, physique, &terrain, &options, pushes, bound, &things)
             .map_err(|broken| BakeError::BrokeDown { time: broken.time, what: broken.what })?;
         Ok(Driven { run, bound, why: None })
     };
     let scale = physique.mass / 89.5;
     if let Helped::Within(bound) = helped {
-        return once(bound);
+        return once(bound, options.effort);
     }
     let mut least = None;
     for [torque, force] in TRIES {
-        let driven = once(Assist { torque: torque * scale, force: force * scale })?;
+        // Help is for where looking ahead finds nothing.
+        let effort = if torque > 0.0 { 0 } else { options.effort };
+        let driven = once(Assist { torque: torque * scale, force: force * scale }, effort)?;
         if driven.run.trace.lost.is_none() {
             return Ok(driven);
         }

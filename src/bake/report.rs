@@ -12,12 +12,13 @@ use super::root_motion::RootMotion;
 use crate::maths::pendulum::GRAVITY;
 use crate::measure::{Findings, Frame, KnownPush, Motion, PushPoint, Setting, measure_in};
 use crate::model::report::{
-    Assist, BaseReport, BodyReport, Contact, Disturbance, Drift, Event, JointTorque, Outcome, Plausibility,
+    Assist, BaseReport, BodyReport, Contact, Disturbance, Drift, Event, JointTorque, Outcome, Plausibility, Search,
 };
 use crate::model::scenario::{GroundKind, Scenario};
 use crate::model::{Body, BodyPose, Clip, ClipReport, Role, Side};
 use crate::ragdoll::control::MOST_TORQUE;
 use crate::rig::Rig;
+use crate::stepper::Phase;
 use crate::stepper::footing::STAIR_STEP;
 use glam::DVec3;
 
@@ -121,6 +122,10 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
         torques: performance.articulated.as_ref().map_or(Vec::new(), torques),
         plausibility,
         drift: drift(performance, &poses, hz),
+        search: performance.articulated.as_ref().map(|driven| {
+            let searched = driven.run.search;
+            Search { effort: searched.effort, tried: searched.tried, chosen: searched.chosen }
+        }),
         base,
         looped: None,
     };
@@ -310,7 +315,6 @@ fn weights(input: &ReportInput) -> Vec<Disturbance> {
 fn warnings(input: &ReportInput, outcome: Outcome, fallen: Option<f64>) -> Vec<String> {
     let mut warnings = Vec::new();
     let performance = input.performance;
-    let trace = &performance.trace;
     let lost = performance.lost.filter(|lost| *lost <= input.clip.duration + 1e-9);
     let articulated = performance.articulated.is_some();
     let scenario = input.scenario;
@@ -344,8 +348,7 @@ fn warnings(input: &ReportInput, outcome: Outcome, fallen: Option<f64>) -> Vec<S
                 warnings.push(format!(
                     "balance is lost at {lost:.2} s, after the end of the clip: it ends in what becomes a fall"
                 ));
-            } else if trace.ticks.len() > performance.timeline.com.len() && !walks_on {
-                let needed = (trace.ticks.len() - 1) as f64 * trace.dt;
+            } else if let Some(needed) = needed(performance).filter(|_| !walks_on) {
                 warnings.push(format!(
                     "the character is not at rest when the clip ends at {:.2} s: give the scenario duration = {:.1}",
                     input.clip.duration,
@@ -357,6 +360,23 @@ fn warnings(input: &ReportInput, outcome: Outcome, fallen: Option<f64>) -> Vec<S
     warnings.extend(slowed(input));
     warnings
 }
+
+/// s, the duration with which it would be at rest; `None` where it is, or walks on. An articulated body's is estimated: its run ends with
+/// the clip.
+fn needed(performance: &Performance) -> Option<f64> {
+    let trace = &performance.trace;
+    if performance.articulated.is_some() {
+        let last = trace.ticks.last()?;
+        let stands = last.walk.length() < 1e-6 && matches!(last.gait, Phase::Rest);
+        let end = (trace.ticks.len() - 1) as f64 * trace.dt;
+        return (stands && trace.rest <= 0.0)
+            .then_some(end + SETTLES * (performance.physique.com_height / 0.96).sqrt());
+    }
+    (trace.ticks.len() > performance.timeline.com.len()).then(|| (trace.ticks.len() - 1) as f64 * trace.dt)
+}
+
+/// s, in which an articulated body that still moves comes to rest: a step, the other foot beside it, and quiet.
+const SETTLES: f64 = 1.5;
 
 /// Stairs are walked a tread a step, whatever speed was wanted.
 fn slowed(input: &ReportInput) -> Option<String> {

@@ -197,6 +197,7 @@ fn report(
         seed: 0,
         root_motion: options.root.name().into(),
         drift: None,
+        search: None,
         base: None,
         looped: None,
         drive: "retarget".into(),

@@ -197,6 +197,7 @@ pub fn options(settings: &BakeSettings, name: &str, base: Option<Arc<Base>>) -> 
             "in-place" => RootMotion::InPlace,
             _ => RootMotion::Root,
         },
+        effort: BakeOptions::default().effort,
         drive: match settings.drive {
             "stepper" => Drive::Stepper,
             "ragdoll" => Drive::Ragdoll(helped),

@@ -72,6 +72,7 @@ pub fn bake(
         base,
         looped: args.looped,
         curves: args.curves.into(),
+        effort: args.effort,
     };
     bake::bake(rig, scenario, &options).map_err(|error| match error {
         BakeError::Unplayed { .. } | BakeError::Base(_) | BakeError::NoCycle { .. } => {
@@ -153,6 +154,7 @@ fn foreign(rig: &Rig, clip: &Clip) -> ClipReport {
         torques: Vec::new(),
         plausibility: Plausibility::default(),
         drift: None,
+        search: None,
         base: None,
         looped: None,
     }

@@ -103,6 +103,7 @@ pub(crate) mod tests {
             torques: Vec::new(),
             plausibility: Plausibility::default(),
             drift: None,
+            search: None,
             base: None,
             looped: None,
         }

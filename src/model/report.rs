@@ -31,6 +31,9 @@ pub struct ClipReport {
     /// Of a ragdoll's clip: how far it is from the body's run, falls apart.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub drift: Option<Drift>,
+    /// Of a ragdoll's clip: how far it looked ahead for a way to keep its feet.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub search: Option<Search>,
     /// Where it starts from and returns to.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub base: Option<BaseReport>,
@@ -168,6 +171,17 @@ pub struct JointTorque {
     pub peak_nm: f64,
     /// Of the most that a joint may give, 0..1.
     pub share: f64,
+}
+
+/// What the body looked for ahead, on copies of itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Search {
+    /// 0 (none) to 3.
+    pub effort: u8,
+    /// Copies that were run with other dials of the law.
+    pub tried: u32,
+    /// Decisions at which one of them was taken.
+    pub chosen: u32,
 }
 
 /// The joint that is the farthest from where the body's run had it, and the one that is turned the most against it.

@@ -164,6 +164,7 @@ pub(crate) mod tests {
             base: None,
             looped: None,
             drift: None,
+            search: None,
             plausibility: Plausibility { score: 0.91, zmp_inside: 0.98, slip_max_mm: 0.4, ..Plausibility::default() },
         }
     }

@@ -12,6 +12,7 @@ use super::stride::Stride;
 use super::struck::Struck;
 use crate::maths::curve::soft_limit;
 use crate::maths::pendulum::GRAVITY;
+use crate::maths::seed::Seed;
 use crate::maths::spring::Spring;
 use crate::model::Side;
 use crate::model::{Physique, Plant};
@@ -55,6 +56,22 @@ pub struct Personality {
     pub trunk_gain: f64,
     pub head_gain: f64,
     pub elbow: f64,
+}
+
+impl Personality {
+    /// The person of a seed.
+    pub fn drawn(seed: u64) -> Personality {
+        let mut draw = Seed::new(seed);
+        let mut one = || draw.between(-1.0, 1.0);
+        Personality {
+            arms_gain: one(),
+            far_arm: one(),
+            arms_delay: one(),
+            trunk_gain: one(),
+            head_gain: one(),
+            elbow: one(),
+        }
+    }
 }
 
 /// Angles of the upper body and the pelvis at one time, in an order that interpolates entry by entry. Lean of the trunk (left,

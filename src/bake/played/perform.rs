@@ -11,16 +11,28 @@ use crate::measure::KnownPush;
 use crate::model::scenario::Scenario;
 use crate::model::{Body, Terrain};
 use crate::sim::SimulateOptions;
+use crate::whole_body::reaction::Personality;
 use crate::whole_body::{Anatomy, stand};
 
 /// Runs the scenario on a body with at most that help.
-pub fn perform(body: &Body, scenario: &Scenario, seed: u64, helped: Helped) -> Result<Performance, BakeError> {
+pub fn perform(
+    body: &Body,
+    scenario: &Scenario,
+    seed: u64,
+    (helped, effort): (Helped, u8),
+) -> Result<Performance, BakeError> {
     let anatomy = Anatomy::new(body);
     let physique = stand::physique(body, &anatomy);
     let (carried, loads) = carried::carried(body, &anatomy, scenario);
     let options = SimulateOptions {
         duration: scenario.duration,
         style: style(&scenario.character),
+        personality: Personality::drawn(seed),
+        arms: scenario.character.style.arms,
+        effort,
+        // The run ends with the clip.
+        extra: 0.0,
+        seed,
         ..SimulateOptions::default()
     };
     let known = pushes::known(body, scenario);

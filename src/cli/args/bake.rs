@@ -50,6 +50,9 @@ pub struct BakeArgs {
     /// Limit of the helping torque (N m) and force (N) on the ragdoll's root
     #[arg(long, value_name = "off|auto|NM[,N]", default_value = "auto", value_parser = assist)]
     pub assist: Assist,
+    /// How far the ragdoll looks ahead for a way to keep its feet: 0 not at all, 3 for minutes
+    #[arg(long, value_name = "0..3", default_value_t = 1, value_parser = clap::value_parser!(u8).range(0..=3))]
+    pub effort: u8,
     /// How the keys are joined
     #[arg(long, value_enum, default_value_t = Curves::Linear)]
     pub curves: Curves,
