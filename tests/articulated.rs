@@ -124,3 +124,20 @@ fn a_run_is_the_same_to_the_last_bit() {
 }
 
 const PINNED: u64 = 0x1edd_5f51_c583_939d;
+
+#[test]
+fn zz_debug() {
+    let body = builtin().body;
+    let options = SimulateOptions { duration: 4.0, extra: 0.0, personality: surefoot::whole_body::reaction::Personality::drawn(0), ..SimulateOptions::default() };
+    let anatomy = Anatomy::new(&body);
+    let physique = stand::physique(&body, &anatomy);
+    let deg: f64 = std::env::var("DEG").unwrap().parse().unwrap();
+    let run = simulate_articulated(&body, &anatomy, &physique, &Terrain::flat(), &options, &[(shove(&body, 300.0, 0.2, deg), false)], Assist::default()).unwrap();
+    for t in (60..280).step_by(3) {
+        let p = &run.poses[t];
+        let pos = p.positions(&body);
+        let mut line = format!("{:.2} press {:5.2} {:5.2} ", t as f64*0.01, run.pressed[t][0], run.pressed[t][1]);
+        for f in 0..2 { let j = body.feet[f].ankle; let turn = p.turns[j]*run.poses[0].turns[j].inverse(); let v = turn.to_scaled_axis(); line += &format!(" | {:.4} {:.4} {:.4} rot {:.1} {:.1} {:.1}", pos[j].x,pos[j].y,pos[j].z, v.x.to_degrees(), v.y.to_degrees(), v.z.to_degrees()); }
+        println!("{line}");
+    }
+}

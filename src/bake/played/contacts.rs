@@ -140,15 +140,8 @@ impl<'a> Track<'a> {
         while wide.to < most && self.pressed[wide.to + 1] && fits(wide.to + 1) {
             wide.to += 1;
         }
-        // A foot that comes down settles: all of that is one contact where it can be. What pressed by a tick pressed in the time
-        // before it.
-        let mut extent = Extent::default();
-        (wide.from..=wide.to).for_each(|index| self.take(&mut extent, index, wide.part));
-        while wide.from > least && self.pressed[wide.from] {
-            self.take(&mut extent, wide.from - 1, wide.part);
-            if !self.fits(&extent) {
-                break;
-            }
+        // So does one that comes down; what pressed by a tick pressed in the time before it.
+        while wide.from > least && self.pressed[wide.from] && fits(wide.from - 1) {
             wide.from -= 1;
         }
         wide
@@ -371,8 +364,8 @@ impl Extent {
     }
 }
 
-/// The spans without the ticks at which something is too far from the run; `drop`: without the whole span.
-pub(super) fn cut(spans: &[Span], beyond: &[usize], drop: bool) -> Vec<Span> {
+/// The spans without the ticks at which something is too far from the run, and without those within `around` of them.
+pub(super) fn cut(spans: &[Span], beyond: &[usize], around: usize) -> Vec<Span> {
     let mut kept: Vec<Span> = Vec::new();
     for span in spans {
         let near = |tick: &&usize| **tick + LEAST >= span.from && **tick <= span.to + LEAST;
@@ -381,18 +374,15 @@ pub(super) fn cut(spans: &[Span], beyond: &[usize], drop: bool) -> Vec<Span> {
             kept.push(*span);
             continue;
         }
-        if drop {
-            continue;
-        }
         // On the way in or out: the end itself is too far off.
         bad.iter_mut().for_each(|tick| *tick = (*tick).clamp(span.from, span.to));
         let mut from = span.from;
-        for tick in bad.into_iter().chain([span.to + 2]) {
-            let to = tick.saturating_sub(2).min(span.to);
+        for tick in bad.into_iter().chain([span.to + around]) {
+            let to = tick.saturating_sub(around).min(span.to);
             if to + 1 >= from + LEAST && tick > from {
                 kept.push(Span { from, to, ..*span });
             }
-            from = from.max(tick + 2);
+            from = from.max(tick + around);
         }
     }
     // Parts that met meet again, the flat foot's end where it is now.

@@ -25,7 +25,7 @@ const GIVES: f64 = 1e-2;
 /// m and rad that held feet may move any joint by: the rest of the 5 mm and 2 degrees is for the keys.
 const MOST: drift::Drift = drift::Drift { place: 4.4e-3, turn: 1.7 * std::f64::consts::PI / 180.0 };
 /// Rounds in which contacts are cut to what the bound allows.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 12;
 
 /// What a run is made a clip of.
 #[derive(Clone, Copy, Debug)]
@@ -88,7 +88,7 @@ impl Played {
             if beyond.iter().all(Vec::is_empty) {
                 break;
             }
-            spans = [0, 1].map(|side| contacts::cut(&spans[side], &beyond[side], round + 1 >= ROUNDS));
+            spans = [0, 1].map(|side| contacts::cut(&spans[side], &beyond[side], 2 + 2 * round));
         }
         played
     }
