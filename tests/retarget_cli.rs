@@ -25,7 +25,7 @@ fn a_baked_clip_of_a_tall_rig_plays_on_the_built_in_one() {
     let at = |name: &str| folder.path().join(name);
     for words in [
         &["new", "rig", "--height", "2.1", "-o", "tall.glb"][..],
-        &["bake", "tall.glb", "--demo", "-o", "shoved.glb"],
+        &["bake", "tall.glb", "--demo", "--drive", "stepper", "-o", "shoved.glb"],
         &["retarget", "shoved.glb", "builtin", "-o", "out.glb", "--name", "borrowed"],
     ] {
         let (code, out, err) = run(folder.path(), words);

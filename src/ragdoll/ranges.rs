@@ -34,23 +34,24 @@ fn ends(figure: &Figure, part: Part) -> [[f64; 2]; 3] {
     // Outward of a left limb is about +z; its bone points down.
     let sided = |side: Side, out: [f64; 2]| if side == Side::Left { out } else { [-out[1], -out[0]] };
     let turned = |range: [f64; 2]| [-range[1], -range[0]];
-    let inner = |range: [f64; 2]| [(range[0] + INSIDE).min(0.0), (range[1] - INSIDE).max(0.0)];
+    let outer = |range: [f64; 2]| [range[0] - YIELDS, range[1] + YIELDS];
     match part {
         Part::Trunk => [[-0.35, 0.9], [-0.45, 0.45], [-0.6, 0.6]],
         Part::Head => [[-0.7, 0.7], [-0.5, 0.5], [-1.0, 1.0]],
         Part::UpperArm(side) => [[-2.6, 0.8], sided(side, [-0.4, 2.3]), [-1.2, 1.2]],
         Part::Hand(_) => [[-0.8, 0.8], [-0.5, 0.5], [-0.3, 0.3]],
         Part::Thigh(side) => {
-            let [flexion, abduction, ..] = figure.leg_ranges[side as usize].map(inner);
-            [turned(flexion), sided(side, abduction), [-0.8, 0.8]]
+            let [flexion, abduction, ..] = figure.leg_ranges[side as usize];
+            [turned(outer(flexion)), sided(side, outer(abduction)), [-0.8, 0.8]]
         }
         Part::Foot(side) => {
-            let [.., flexion, inversion] = figure.leg_ranges[side as usize].map(inner);
-            [turned(flexion), sided(side, turned(inversion)), [-0.4, 0.4]]
+            let [.., flexion, inversion] = figure.leg_ranges[side as usize];
+            [turned(outer(flexion)), sided(side, turned(outer(inversion))), [-0.4, 0.4]]
         }
         Part::Pelvis | Part::Forearm(_) | Part::Shank(_) => [[-3.0, 3.0]; 3],
     }
 }
 
-/// rad, by which legs stay inside the measures' ranges: so much turns what is held for keys.
-const INSIDE: f64 = 0.02;
+/// rad, by which loaded hips and ankles go beyond the ranges that they are measured by (6 degrees): the foot has no toe joint yet, so that a
+/// heel that leaves late bends the ankle instead.
+const YIELDS: f64 = 0.105;

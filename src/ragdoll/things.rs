@@ -270,7 +270,9 @@ impl World {
 
     /// What is wrong with the balls, for a person.
     pub fn broken_ball(&self) -> Option<String> {
-        let bad = |ball: &Ball| !ball.body.place.is_finite() || !(ball.body.velocity.length() <= FASTEST);
+        let bad = |ball: &Ball| {
+            !ball.body.place.is_finite() || ball.body.velocity.length() > FASTEST || ball.body.velocity.is_nan()
+        };
         self.balls.balls.iter().position(bad).map(|number| format!("ball {} is out of bounds", number + 1))
     }
 }

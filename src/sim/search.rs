@@ -25,7 +25,7 @@ const ROOM: f64 = 1.1;
 /// Share of the body's weight under which a foot is not on the ground.
 const PRESSED: f64 = 0.01;
 /// Candidates at a decision and ticks in all, by effort.
-const EFFORTS: [(usize, usize); 4] = [(0, 0), (24, 6_000), (120, 40_000), (2_000, 3_000_000)];
+const EFFORTS: [(usize, usize); 4] = [(0, 0), (28, 8_000), (120, 40_000), (2_000, 3_000_000)];
 
 /// What was looked for, and found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -35,7 +35,9 @@ const EDGES: [f64; 6] = [0.0, 50.0, 100.0, 150.0, 200.0, 250.0];
 /// Shares of the bins among the paper's pushes (10 to 500 N for 0.1 to 0.5 s).
 const MIX: [f64; 5] = [0.39, 0.31, 0.18, 0.09, 0.03];
 /// Wanted root-free, %.
-const WANTED: [f64; 5] = [100.0, 98.0, 93.0, 70.0, 45.0];
+const WANTED: [f64; 5] = [100.0, 98.0, 95.0, 88.0, 55.0];
+/// Wanted of who looks ahead, %.
+const AHEAD: [f64; 5] = [100.0, 100.0, 100.0, 99.0, 95.0];
 /// Wanted with help, %.
 const HELPED: [f64; 5] = [100.0, 100.0, 100.0, 99.0, 97.0];
 /// Help that is allowed in each bin, N m and N, for a body of 89.5 kg.
@@ -120,15 +122,14 @@ fn main() {
 fn table(subject: &Subject, count: usize, bins: &[usize]) {
     println!("\n{}, {:.1} kg, {count} pushes a bin\n", subject.name, subject.physique.mass);
     println!(
-        "impulse, Ns | root-free %  (95 % interval) | of wanted | at rest % of 90 | with help % of wanted, at most"
+        "impulse, Ns | root-free %  (95 % interval) | of wanted | looking ahead, % of wanted | at rest % of 90 | with help % of wanted, at most"
     );
     let mut mix = 0.0;
     for &bin in bins {
         let pushes = pushes(&subject.body, EDGES[bin], EDGES[bin + 1], count);
         let free: Vec<(bool, bool)> = pushes.par_iter().map(|push| subject.pushed(push, [0.0, 0.0], 0)).collect();
-        let ahead =
-            pushes.par_iter().zip(&free).filter(|(push, (up, _))| *up || subject.pushed(push, [0.0, 0.0], 1).0).count();
-        println!("with search {:.1}", share(ahead, count));
+        let ahead = |(push, (up, _)): &(&KnownPush, &(bool, bool))| *up || subject.pushed(push, [0.0, 0.0], 1).0;
+        let ahead = pushes.par_iter().zip(&free).filter(ahead).count();
         let up = free.iter().filter(|(up, _)| *up).count();
         let rests = free.iter().filter(|(up, rests)| *up && *rests).count();
         let allowed = ALLOWED[bin];
@@ -141,11 +142,13 @@ fn table(subject: &Subject, count: usize, bins: &[usize]) {
             .count();
         let [low, high] = wilson(up, count);
         println!(
-            "{:>3.0} to {:>3.0}  | {:>6.1} ({low:.1} to {high:.1})      | {:>9.0} | {:>15.1} | {:>6.1} of {:.0}, {:.0} N m and {:.0} N",
+            "{:>3.0} to {:>3.0}  | {:>6.1} ({low:.1} to {high:.1})      | {:>9.0} | {:>16.1} of {:>6.0} | {:>15.1} | {:>6.1} of {:.0}, {:.0} N m and {:.0} N",
             EDGES[bin],
             EDGES[bin + 1],
             share(up, count),
             WANTED[bin],
+            share(ahead, count),
+            AHEAD[bin],
             share(rests, up.max(1)),
             share(helped, count),
             HELPED[bin],
@@ -418,7 +421,7 @@ fn ticks(subject: &Subject) {
     let target = stand::stand_target(&subject.body, &plants, com, 0.0);
     let pose = Solver::new(&subject.body, &subject.anatomy).solve(&target).pose;
     for (name, locks, wanted) in
-        [("all joints", Locks::default(), 300), ("hands and head locked", Locks { hands: true, head: true }, 250)]
+        [("all joints", Locks::default(), 60), ("hands and head locked", Locks { hands: true, head: true }, 55)]
     {
         let figure = Figure::new(&subject.body, &pose, locks);
         let terrain = Terrain::flat();
@@ -441,7 +444,7 @@ fn ticks(subject: &Subject) {
         step.sort_by(f64::total_cmp);
         let (law, step) = (law[1500], step[1500]);
         println!(
-            "tick, {name}: {:.0} µs of wanted {wanted} (law {law:.0}, rapier {step:.0}; median of 3000)",
+            "tick, {name}: {:.0} µs of wanted {wanted} (law {law:.0}, links {step:.0}; median of 3000)",
             law + step
         );
     }
