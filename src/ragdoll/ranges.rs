@@ -5,11 +5,11 @@
 
 use super::figure::{Figure, Freedom, Part};
 use crate::dynamics::{Range, Swing};
-use crate::model::Side;
+use crate::model::{Side, Terrain};
 use glam::DVec3;
 
-/// The range of a link's joint.
-pub(super) fn range_of(figure: &Figure, index: usize) -> Range {
+/// The range of a link's joint, on that ground.
+pub(super) fn range_of(figure: &Figure, index: usize, terrain: &Terrain) -> Range {
     let link = &figure.links[index];
     match link.freedom {
         Freedom::Free => Range::Free,
@@ -23,18 +23,18 @@ pub(super) fn range_of(figure: &Figure, index: usize) -> Range {
             let across = (DVec3::X - along * along.x).normalize_or(DVec3::Z);
             let ahead = along.cross(across);
             let ahead = if ahead.dot(DVec3::Z) + 1e-3 * ahead.dot(DVec3::Y) < 0.0 { -ahead } else { ahead };
-            let [x, z, twist] = ends(figure, link.part);
+            let [x, z, twist] = ends(figure, link.part, if terrain.moves() { LEANING } else { YIELDS });
             Range::Ball(Swing { along, about: [across, ahead], swing: [x, z], twist })
         }
     }
 }
 
 /// Least and most about x (forwards bends a trunk by more, a limb by less), about z, and about the bone.
-fn ends(figure: &Figure, part: Part) -> [[f64; 2]; 3] {
+fn ends(figure: &Figure, part: Part, yields: f64) -> [[f64; 2]; 3] {
     // Outward of a left limb is about +z; its bone points down.
     let sided = |side: Side, out: [f64; 2]| if side == Side::Left { out } else { [-out[1], -out[0]] };
     let turned = |range: [f64; 2]| [-range[1], -range[0]];
-    let outer = |range: [f64; 2]| [range[0] - YIELDS, range[1] + YIELDS];
+    let outer = |range: [f64; 2]| [range[0] - yields, range[1] + yields];
     match part {
         Part::Trunk => [[-0.35, 0.9], [-0.45, 0.45], [-0.6, 0.6]],
         Part::Head => [[-0.7, 0.7], [-0.5, 0.5], [-1.0, 1.0]],
@@ -55,3 +55,5 @@ fn ends(figure: &Figure, part: Part) -> [[f64; 2]; 3] {
 /// rad, by which loaded hips and ankles go beyond the ranges that they are measured by (6 degrees): the foot has no toe joint yet, so that a
 /// heel that leaves late bends the ankle instead.
 const YIELDS: f64 = 0.105;
+/// The same on a platform that moves: the law lays soles flat on it even where it leans by 30 degrees.
+const LEANING: f64 = 1.2;

@@ -69,7 +69,7 @@ impl World {
             centre: link.centre,
             // A hand without flesh still has something to turn.
             inertia: link.inertia + DMat3::IDENTITY * (1e-6 * link.mass),
-            range: range_of(figure, index),
+            range: range_of(figure, index, terrain),
         });
         let tree = Tree::new(links.collect())?;
         Ok(World {
