@@ -81,8 +81,14 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Vec<Command>) {
     if let Some(choice) = &shown.baked.choice {
         ui.weak(format!("{}: {}", report.drive, choice.why));
     }
-    for warning in shown.baked.warnings.iter().chain(&measured.notes) {
-        ui.label(RichText::new(warning).color(ui.visuals().warn_fg_color));
+    let told: Vec<&String> = shown.baked.warnings.iter().chain(&measured.notes).collect();
+    let (first, rest) = told.split_at(told.len().min(TOLD));
+    for warning in first {
+        ui.label(RichText::new(*warning).color(ui.visuals().warn_fg_color));
+    }
+    if !rest.is_empty() {
+        let all: Vec<&str> = rest.iter().map(|text| text.as_str()).collect();
+        ui.weak(format!("and {} more", rest.len())).on_hover_text(all.join("\n"));
     }
     let faults = faults(&shown.baked);
     if let Some(first) = faults.first() {
@@ -95,6 +101,9 @@ pub fn ui(ui: &mut egui::Ui, state: &State, commands: &mut Vec<Command>) {
     }
     ui.separator();
 }
+
+/// Warnings and notes that are told at once, the most telling ones: what is below them stays in sight.
+const TOLD: usize = 3;
 
 /// What an outcome is called, and its colour.
 pub fn word(outcome: Outcome) -> (&'static str, Color32) {
