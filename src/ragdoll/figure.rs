@@ -4,6 +4,7 @@
 //! stand, so a link's rotation is its turn from the stand. Joints follow the 30 degrees of freedom of the method's table;
 //! a joint of two angles is a ball with a stiff third, for the engine knows joints of one and of three. Knows no engine.
 
+use super::sole;
 use crate::measure::joints::LegAngles;
 use crate::model::{Body, BodyPose, Role, Side};
 use glam::{DMat3, DQuat, DVec3};
@@ -111,8 +112,8 @@ pub struct Figure {
     pub arms: [[usize; 2]; 2],
     /// The trunk's link.
     pub trunk: usize,
-    /// m, corners of each sole in the foot's frame: rear outer, rear inner, front outer, front inner by heading; counted round.
-    pub soles: [[DVec3; 4]; 2],
+    /// m, where each sole bears, in the foot's frame.
+    pub soles: [[DVec3; sole::POINTS]; 2],
     /// m, thigh and shank together.
     pub leg_length: f64,
     /// m, ankle over the sole.
@@ -291,7 +292,10 @@ impl<'a> Maker<'a> {
         self.gather_masses(&link_of);
         self.shape(&link_of);
         self.carry();
-        let soles = Side::BOTH.map(|side| self.sole(side));
+        let soles = Side::BOTH.map(|side| {
+            let shape = &self.body.feet[side as usize];
+            sole::points(shape, self.stand.turns[shape.ankle])
+        });
         let leg = |[hip, knee, ankle]: [usize; 3]| {
             debug_assert!(hip < knee);
             self.links[knee].anchor.length() + self.links[ankle].anchor.length()
@@ -411,34 +415,24 @@ impl<'a> Maker<'a> {
             }
         }
         for side in Side::BOTH {
-            let corners = self.sole(side);
             let foot = self.links.iter().position(|link| link.part == Part::Foot(side)).unwrap_or(0);
             let shape = &self.body.feet[side as usize];
-            let yaw = (corners[3] - corners[1]).normalize_or_zero();
-            let turn = DQuat::from_rotation_y(yaw.x.atan2(yaw.z));
+            let ahead = self.stand.turns[shape.ankle]
+                * shape.level.inverse()
+                * DVec3::new(shape.forward.x, 0.0, shape.forward.y);
+            let turn = DQuat::from_rotation_y(ahead.x.atan2(ahead.z));
             let height = (0.9 * shape.ankle_height).max(0.02 * self.body.height);
             let link = &mut self.links[foot];
             link.turn = turn;
             link.half = DVec3::new(shape.half_width, 0.5 * height, 0.5 * (shape.foremost() - shape.heel));
-            link.middle = (corners[0] + corners[1] + corners[2] + corners[3]) / 4.0 + DVec3::Y * (0.5 * height);
+            let middle = DVec3::new(0.0, 0.5 * height - shape.ankle_height, 0.5 * (shape.foremost() + shape.heel));
+            link.middle = turn * middle;
         }
     }
 
     fn is_finger(&self, joint: usize) -> bool {
         let name = self.body.joints[joint].role.name();
         ["Thumb", "Index", "Middle", "Ring", "Little", "Eye", "jaw"].iter().any(|part| name.contains(part))
-    }
-
-    /// Corners of a sole in the foot's frame: heel left, heel right, tip right, tip left... counted round from above.
-    fn sole(&self, side: Side) -> [DVec3; 4] {
-        let shape = &self.body.feet[side as usize];
-        let turn = self.stand.turns[shape.ankle] * shape.level.inverse();
-        let forward = turn * DVec3::new(shape.forward.x, 0.0, shape.forward.y);
-        let forward = DVec3::new(forward.x, 0.0, forward.z).normalize_or_zero();
-        let across = DVec3::Y.cross(forward);
-        let down = DVec3::NEG_Y * shape.ankle_height;
-        let (heel, tip, wide) = (forward * shape.heel, forward * shape.foremost(), across * shape.half_width);
-        [heel + wide + down, heel - wide + down, tip + wide + down, tip - wide + down]
     }
 
     fn carry(&mut self) {

@@ -10,6 +10,7 @@ mod ground;
 mod linear;
 pub mod plan;
 mod ranges;
+mod sole;
 mod stepping;
 mod swing;
 mod tasks;

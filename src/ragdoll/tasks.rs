@@ -4,6 +4,7 @@ use super::control::Controller;
 use super::dynamics::{Acceleration, LegMap, Wrench};
 use super::figure::{Figure, Freedom, Part};
 use super::forces::Corner;
+use super::sole::POINTS;
 use super::{flat, short};
 use crate::maths::curve::smooth3;
 use crate::model::{Side, Terrain};
@@ -184,14 +185,15 @@ impl Controller {
 
     /// Corners of the feet that bear, named.
     pub(super) fn corners(&self, figure: &Figure, terrain: &Terrain) -> Vec<(usize, Corner)> {
-        let mut corners = Vec::with_capacity(8);
+        let mut corners = Vec::with_capacity(2 * POINTS);
         let moving = self.swing.is_some() || self.gait.walks();
         for side in Side::BOTH {
             if self.swing.is_some_and(|swing| swing.side == side) {
                 continue;
             }
             let state = &self.states[figure.legs[side as usize][2]];
-            let middle = figure.soles[side as usize].iter().copied().sum::<DVec3>() / 4.0;
+            let [a, b, .., y, z] = figure.soles[side as usize];
+            let middle = 0.25 * (a + b + y + z);
             let leaves = self.leaving.is_some_and(|(leaving, _)| leaving == side) || self.gait.leaves(side, self.time);
             let dear = if leaves { 30.0 } else { 1.0 };
             for (index, corner) in figure.soles[side as usize].iter().enumerate() {
@@ -203,9 +205,9 @@ impl Controller {
                         normal: spot.normal,
                         foot: side as usize,
                         dear,
-                        least: if moving || self.shifting.is_some() { 0.0 } else { self.tuning.least / 4.0 },
+                        least: if moving || self.shifting.is_some() { 0.0 } else { self.tuning.least / POINTS as f64 },
                     };
-                    corners.push((side as usize * 4 + index, corner));
+                    corners.push((side as usize * POINTS + index, corner));
                 }
             }
         }

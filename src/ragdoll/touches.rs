@@ -3,6 +3,7 @@
 
 use super::figure::{Figure, above_legs};
 use super::ground::{double, rotation, vector};
+use super::sole;
 use crate::dynamics::{Articulation, Loose, Touch};
 use crate::model::Terrain;
 use crate::model::scenario::GroundKind;
@@ -73,7 +74,15 @@ impl Surroundings {
     pub(super) fn new(figure: &Figure, terrain: &Terrain) -> Surroundings {
         let hulls = (0..figure.links.len()).map(|index| {
             let (half, middle) = above_legs(figure, index);
-            Hull::new(half, middle, figure.links[index].turn)
+            let mut hull = Hull::new(half, middle, figure.links[index].turn);
+            if let Some(side) = figure.legs.iter().position(|leg| leg[2] == index) {
+                hull.corners[..sole::POINTS].copy_from_slice(&figure.soles[side]);
+                // Above, over the heel's middle and over the tip's.
+                for (corner, end) in [(sole::POINTS, -1.0), (sole::POINTS + 1, 1.0)] {
+                    hull.corners[corner] = hull.middle + hull.turn * (half * DVec3::new(0.0, 1.0, end));
+                }
+            }
+            hull
         });
         Surroundings { hulls: hulls.collect(), treads: treads(terrain), balls: Vec::new(), carried: None }
     }
