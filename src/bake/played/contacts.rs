@@ -162,13 +162,19 @@ impl<'a> Track<'a> {
         self.pressed[index] && self.leans(index) < LEANS && still && self.near(index, Part::Flat)
     }
 
-    /// What it turns about at a tick, raised.
+    /// What it turns about at a tick: raised, or flat and turned over the ground.
     fn rolls(&self, index: usize) -> Option<Part> {
+        let about = |part: Part| {
+            let point = |index: usize| self.points[usize::from(part == Part::Ball)][index];
+            self.near(index, part) && self.slow(index, &point)
+        };
+        if !self.pressed[index] {
+            return None;
+        }
         let toe_down = self.ahead(index).dot(self.ground(index).1) < 0.0;
-        let part = if toe_down { Part::Ball } else { Part::Heel };
-        let point = |index: usize| self.points[usize::from(toe_down)][index];
-        let raised = self.leans(index) > RAISED && self.near(index, part);
-        (self.pressed[index] && raised && self.slow(index, &point)).then_some(part)
+        let raised = self.leans(index) > RAISED;
+        let [first, second] = if toe_down { [Part::Ball, Part::Heel] } else { [Part::Heel, Part::Ball] };
+        if about(first) { Some(first) } else { (!raised && about(second)).then_some(second) }
     }
 
     /// Whether a point hardly moves just before a tick or just after it.
