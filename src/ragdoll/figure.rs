@@ -4,6 +4,7 @@
 //! stand, so a link's rotation is its turn from the stand. Joints follow the 30 degrees of freedom of the method's table;
 //! a joint of two angles is a ball with a stiff third, for the engine knows joints of one and of three. Knows no engine.
 
+use super::toes;
 use crate::measure::joints::LegAngles;
 use crate::model::{Body, BodyPose, Role, Side};
 use glam::{DMat3, DQuat, DVec3};
@@ -21,6 +22,7 @@ pub enum Part {
     Thigh(Side),
     Shank(Side),
     Foot(Side),
+    Toes(Side),
 }
 
 impl Part {
@@ -40,6 +42,7 @@ impl Part {
             Part::Thigh(side) => of(side, "thigh"),
             Part::Shank(side) => of(side, "shank"),
             Part::Foot(side) => of(side, "foot"),
+            Part::Toes(side) => of(side, "toes"),
         }
     }
 }
@@ -107,11 +110,13 @@ pub struct Figure {
     pub mass: f64,
     /// Links of the legs: thigh, shank, foot; left, right.
     pub legs: [[usize; 3]; 2],
+    /// Links of the toes of feet that bend; left, right.
+    pub toes: [Option<usize>; 2],
     /// Links of the arms: upper arm, forearm; left, right.
     pub arms: [[usize; 2]; 2],
     /// The trunk's link.
     pub trunk: usize,
-    /// m, corners of each sole in the foot's frame: rear outer, rear inner, front outer, front inner by heading; counted round.
+    /// m, corners of each sole in the foot's frame where its toes are flat: rear outer, rear inner, front outer, front inner by heading; counted round.
     pub soles: [[DVec3; 4]; 2],
     /// m, thigh and shank together.
     pub leg_length: f64,
@@ -128,6 +133,8 @@ pub struct Locks {
     pub hands: bool,
     /// The head with the trunk.
     pub head: bool,
+    /// The toes with the feet.
+    pub toes: bool,
 }
 
 impl Figure {
@@ -155,7 +162,7 @@ impl Figure {
             }
             arms[side as usize] = [shoulder, elbow];
         }
-        let mut legs = [[0; 3]; 2];
+        let (mut legs, mut toes) = ([[0; 3]; 2], [None; 2]);
         for (side, upper, lower, foot) in [
             (Side::Left, Role::LeftUpperLeg, Role::LeftLowerLeg, Role::LeftFoot),
             (Side::Right, Role::RightUpperLeg, Role::RightLowerLeg, Role::RightFoot),
@@ -165,8 +172,11 @@ impl Figure {
             let knee = make.link(Part::Shank(side), Some(hip), lower, hinge, 25.0);
             let ankle = make.link(Part::Foot(side), Some(knee), foot, Freedom::Ball { stiff: Some(1) }, 40.0);
             legs[side as usize] = [hip, knee, ankle];
+            let bend = toes::bend(body, &make.positions, &stand.turns, side).filter(|_| !locks.toes);
+            toes[side as usize] =
+                bend.map(|bend| (make.link(Part::Toes(side), Some(ankle), bend.role, bend.freedom, 40.0), bend));
         }
-        make.finish(legs, arms)
+        make.finish(legs, toes, arms)
     }
 
     /// Where each link is in a pose of the body: origin and turn from the stand.
@@ -286,10 +296,17 @@ impl<'a> Maker<'a> {
         Freedom::Hinge { axis, range: [-bent, most.to_radians() - bent] }
     }
 
-    fn finish(mut self, legs: [[usize; 3]; 2], arms: [[usize; 2]; 2]) -> Figure {
+    fn finish(mut self, legs: [[usize; 3]; 2], toes: [Option<(usize, toes::Bend)>; 2], arms: [[usize; 2]; 2]) -> Figure {
         let link_of: Vec<usize> = (0..self.body.joints.len()).map(|joint| self.owner(joint)).collect();
         self.gather_masses(&link_of);
         self.shape(&link_of);
+        for (toes, [.., foot]) in toes.iter().zip(legs) {
+            if let Some((toes, bend)) = toes
+                && let Ok([foot, toes]) = self.links.get_disjoint_mut([foot, *toes])
+            {
+                toes::divide(bend, foot, toes);
+            }
+        }
         self.carry();
         let soles = Side::BOTH.map(|side| self.sole(side));
         let leg = |[hip, knee, ankle]: [usize; 3]| {
@@ -303,6 +320,7 @@ impl<'a> Maker<'a> {
             stand: self.stand.clone(),
             mass: self.links.iter().map(|link| link.mass).sum(),
             legs,
+            toes: toes.map(|toes| toes.map(|(link, _)| link)),
             arms,
             trunk: 1,
             soles,

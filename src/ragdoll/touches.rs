@@ -73,7 +73,13 @@ impl Surroundings {
     pub(super) fn new(figure: &Figure, terrain: &Terrain) -> Surroundings {
         let hulls = (0..figure.links.len()).map(|index| {
             let (half, middle) = above_legs(figure, index);
-            Hull::new(half, middle, figure.links[index].turn)
+            let mut hull = Hull::new(half, middle, figure.links[index].turn);
+            // Over its toe joint a foot bears on its toes' box.
+            if let Some(toes) = (0..figure.links.len()).find(|link| *link != index && figure.bears(*link) == index) {
+                let over = figure.links[toes].anchor.y;
+                hull.corners[4..6].iter_mut().for_each(|corner| corner.y = corner.y.max(over));
+            }
+            hull
         });
         Surroundings { hulls: hulls.collect(), treads: treads(terrain), balls: Vec::new(), carried: None }
     }
