@@ -9,6 +9,7 @@ use super::figure::{Figure, Freedom, Link, Part};
 use super::forces::{Forces, Wanted};
 use super::linear::{Factored, Matrix6};
 use super::swing::Reference;
+use super::toes;
 use super::tuning::Tuning;
 use super::walk::{Gait, Order};
 use super::world::{LinkState, World};
@@ -100,6 +101,7 @@ pub struct Controller {
     pub(super) states: Vec<LinkState>,
     pub(super) accelerations: Vec<Acceleration>,
     pub(super) outside: Vec<(DVec3, DVec3)>,
+    pub(super) toes: [[f64; 2]; 2], // N m about the toe joints, of what is planned ahead of them and behind
     pub(super) needed: Vec<DVec3>,
     pub(super) relative: Vec<DVec3>,
     pub(super) middle: f64,
@@ -155,6 +157,7 @@ impl Controller {
             states,
             accelerations: Vec::new(),
             outside: Vec::new(),
+            toes: [[0.0; 2]; 2],
             needed: Vec::new(),
             relative: Vec::new(),
             stopped: Vec::new(),
@@ -375,6 +378,7 @@ impl Controller {
         for side in 0..2 {
             let foot = figure.legs[side][2];
             self.outside[foot] = forces.on_foot(&corners, side, self.states[foot].origin);
+            self.toes[side] = toes::asked(figure, &self.states, &forces, &corners, side);
         }
         self.forces = forces;
         // Through the pelvis's origin: the force's own moment about the centre of mass is part of the help.
@@ -444,6 +448,10 @@ impl Controller {
         let far = dt * dt * (parts + 1.0) * (parts + 2.0) / (6.0 * parts * parts);
         for index in 1..figure.links.len() {
             let link = &figure.links[index];
+            if let Part::Toes(side) = link.part {
+                toes::drive(figure, world, &self.states, index, self.toes[side as usize]);
+                continue;
+            }
             let parent = link.parent.unwrap_or(0);
             let back = self.states[parent].turn.inverse();
             let [stiffness, damping] = self.stands_by(link);

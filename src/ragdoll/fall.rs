@@ -4,6 +4,7 @@
 
 use super::figure::{Figure, Freedom, Part};
 use super::short;
+use super::toes;
 use super::world::{LinkState, World};
 use glam::DVec3;
 
@@ -17,6 +18,10 @@ const DAMPED: f64 = 6.0;
 pub fn relax(figure: &Figure, world: &mut World, states: &[LinkState], passed: f64) {
     let tone = TONE[1] + (TONE[0] - TONE[1]) * (-passed / WANES).exp();
     for (index, link) in figure.links.iter().enumerate().skip(1) {
+        if let Part::Toes(_) = link.part {
+            toes::drive(figure, world, states, index, [0.0; 2]);
+            continue;
+        }
         let parent = link.parent.unwrap_or(0);
         let turned = short(states[parent].turn.inverse() * states[index].turn);
         let stiffness = DVec3::splat(link.carried * tone * tone);
@@ -45,6 +50,7 @@ fn wanted(part: Part) -> DVec3 {
 fn bent(part: Part) -> f64 {
     match part {
         Part::Shank(_) => 0.7,
+        Part::Toes(_) => 0.0,
         _ => 0.6,
     }
 }

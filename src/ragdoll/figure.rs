@@ -5,6 +5,7 @@
 //! a joint of two angles is a ball with a stiff third, for the engine knows joints of one and of three. Knows no engine.
 
 use super::sole;
+use super::toes;
 use crate::measure::joints::LegAngles;
 use crate::model::{Body, BodyPose, Role, Side};
 use glam::{DMat3, DQuat, DVec3};
@@ -22,6 +23,7 @@ pub enum Part {
     Thigh(Side),
     Shank(Side),
     Foot(Side),
+    Toes(Side),
 }
 
 impl Part {
@@ -41,6 +43,7 @@ impl Part {
             Part::Thigh(side) => of(side, "thigh"),
             Part::Shank(side) => of(side, "shank"),
             Part::Foot(side) => of(side, "foot"),
+            Part::Toes(side) => of(side, "toes"),
         }
     }
 }
@@ -108,11 +111,13 @@ pub struct Figure {
     pub mass: f64,
     /// Links of the legs: thigh, shank, foot; left, right.
     pub legs: [[usize; 3]; 2],
+    /// Links of the toes of feet that bend; left, right.
+    pub toes: [Option<usize>; 2],
     /// Links of the arms: upper arm, forearm; left, right.
     pub arms: [[usize; 2]; 2],
     /// The trunk's link.
     pub trunk: usize,
-    /// m, where each sole bears, in the foot's frame.
+    /// m, where each sole bears, in the foot's frame where its toes are flat.
     pub soles: [[DVec3; sole::POINTS]; 2],
     /// m, thigh and shank together.
     pub leg_length: f64,
@@ -129,6 +134,8 @@ pub struct Locks {
     pub hands: bool,
     /// The head with the trunk.
     pub head: bool,
+    /// The toes with the feet.
+    pub toes: bool,
 }
 
 impl Figure {
@@ -156,7 +163,7 @@ impl Figure {
             }
             arms[side as usize] = [shoulder, elbow];
         }
-        let mut legs = [[0; 3]; 2];
+        let (mut legs, mut toes) = ([[0; 3]; 2], [None; 2]);
         for (side, upper, lower, foot) in [
             (Side::Left, Role::LeftUpperLeg, Role::LeftLowerLeg, Role::LeftFoot),
             (Side::Right, Role::RightUpperLeg, Role::RightLowerLeg, Role::RightFoot),
@@ -166,8 +173,11 @@ impl Figure {
             let knee = make.link(Part::Shank(side), Some(hip), lower, hinge, 25.0);
             let ankle = make.link(Part::Foot(side), Some(knee), foot, Freedom::Ball { stiff: Some(1) }, 40.0);
             legs[side as usize] = [hip, knee, ankle];
+            let bend = toes::bend(body, &make.positions, &stand.turns, side).filter(|_| !locks.toes);
+            toes[side as usize] =
+                bend.map(|bend| (make.link(Part::Toes(side), Some(ankle), bend.role, bend.freedom, 40.0), bend));
         }
-        make.finish(legs, arms)
+        make.finish(legs, toes, arms)
     }
 
     /// Where each link is in a pose of the body: origin and turn from the stand.
@@ -287,10 +297,22 @@ impl<'a> Maker<'a> {
         Freedom::Hinge { axis, range: [-bent, most.to_radians() - bent] }
     }
 
-    fn finish(mut self, legs: [[usize; 3]; 2], arms: [[usize; 2]; 2]) -> Figure {
+    fn finish(
+        mut self,
+        legs: [[usize; 3]; 2],
+        toes: [Option<(usize, toes::Bend)>; 2],
+        arms: [[usize; 2]; 2],
+    ) -> Figure {
         let link_of: Vec<usize> = (0..self.body.joints.len()).map(|joint| self.owner(joint)).collect();
         self.gather_masses(&link_of);
         self.shape(&link_of);
+        for (toes, [.., foot]) in toes.iter().zip(legs) {
+            if let Some((toes, bend)) = toes
+                && let Ok([foot, toes]) = self.links.get_disjoint_mut([foot, *toes])
+            {
+                toes::divide(bend, foot, toes);
+            }
+        }
         self.carry();
         let soles = Side::BOTH.map(|side| {
             let shape = &self.body.feet[side as usize];
@@ -307,6 +329,7 @@ impl<'a> Maker<'a> {
             stand: self.stand.clone(),
             mass: self.links.iter().map(|link| link.mass).sum(),
             legs,
+            toes: toes.map(|toes| toes.map(|(link, _)| link)),
             arms,
             trunk: 1,
             soles,

@@ -106,10 +106,20 @@ impl Forces {
 
     /// Force and moment about `about` of one foot's corners.
     pub fn on_foot(&self, corners: &[(usize, Corner)], foot: usize, about: DVec3) -> (DVec3, DVec3) {
+        self.on(corners, &|_, corner| corner.foot == foot, about)
+    }
+
+    /// Force and moment about `about` of some corners.
+    pub fn on(
+        &self,
+        corners: &[(usize, Corner)],
+        which: &dyn Fn(usize, &Corner) -> bool,
+        about: DVec3,
+    ) -> (DVec3, DVec3) {
         let (mut force, mut moment) = (DVec3::ZERO, DVec3::ZERO);
         for (index, (edge, share)) in self.edges.iter().zip(&self.shares).enumerate() {
-            let corner = corners[index / EDGES].1;
-            if corner.foot == foot {
+            let (name, corner) = corners[index / EDGES];
+            if which(name, &corner) {
                 force += *edge * *share;
                 moment += (corner.at - about).cross(*edge * *share);
             }

@@ -15,6 +15,7 @@ mod stepping;
 mod swing;
 mod tasks;
 pub mod things;
+mod toes;
 mod touches;
 pub mod tuning;
 pub mod walk;

@@ -48,7 +48,7 @@ fn ends(figure: &Figure, part: Part, yields: f64) -> [[f64; 2]; 3] {
             let [.., flexion, inversion] = figure.leg_ranges[side as usize];
             [turned(outer(flexion)), sided(side, turned(outer(inversion))), [-0.4, 0.4]]
         }
-        Part::Pelvis | Part::Forearm(_) | Part::Shank(_) => [[-3.0, 3.0]; 3],
+        Part::Pelvis | Part::Forearm(_) | Part::Shank(_) | Part::Toes(_) => [[-3.0, 3.0]; 3],
     }
 }
 

@@ -9,6 +9,8 @@ use glam::{DQuat, DVec2, DVec3};
 
 /// Points of a sole.
 pub const POINTS: usize = 6;
+/// From which on they are those of the tip.
+pub(super) const TIP: usize = 4;
 /// Share of the sole's length, from either end, at which its width is taken: ends are round.
 const ENDS: f64 = 0.03;
 /// m at a sole of 0.27 m: flesh and rubber give, so a sole bears as far beside its outline as the measure of the zero-moment point allows.

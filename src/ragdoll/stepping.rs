@@ -16,8 +16,7 @@ impl Controller {
         let mut points = Vec::with_capacity(8);
         for side in Side::BOTH {
             if self.swing.is_none_or(|swing| swing.side != side) {
-                let state = &self.motion.states[figure.legs[side as usize][2]];
-                points.extend(figure.soles[side as usize].map(|corner| flat(state.origin + state.turn * corner)));
+                points.extend(figure.sole_at(&self.motion.states, side).map(flat));
             }
         }
         convex_hull(&points)
@@ -164,8 +163,7 @@ impl Controller {
         let beside = |side: Side| feet[side.other() as usize] + across * (side.sign() * self.stance_width);
         if let Some((side, since)) = self.shifting {
             let stance = side.other();
-            let state = &self.motion.states[figure.legs[stance as usize][2]];
-            let sole = figure.soles[stance as usize].map(|corner| flat(state.origin + state.turn * corner));
+            let sole = figure.sole_at(&self.motion.states, stance).map(flat);
             // Who stands wide gets only nearly there, and lets the swing take what is left.
             let wide = ((feet[0].distance(feet[1]) / self.size - 0.45) / 0.25).clamp(0.0, 1.0);
             let waited = ((self.time - since) / tempo - 0.15).clamp(0.0, 1.0) * wide;

@@ -93,10 +93,11 @@ impl Controller {
                 let up = state.turn * DVec3::Y;
                 let tilt = up.cross(spot.normal);
                 // A sole that came off goes back down; a tilted one turns about where it stands.
-                let over = figure.soles[side as usize].map(|corner| {
-                    let at = state.origin + state.turn * corner;
-                    (at, at.y - terrain.spot(flat(at)).height)
-                });
+                let mut over = [(DVec3::ZERO, f64::INFINITY); POINTS];
+                for (over, corner) in over.iter_mut().zip(figure.stiff_sole(side)) {
+                    let at = state.origin + state.turn * *corner;
+                    *over = (at, at.y - terrain.spot(flat(at)).height);
+                }
                 let low = over.iter().map(|(_, height)| *height).fold(f64::INFINITY, f64::min);
                 let bearing = |height: f64| (1.0 - (height - low) / (0.01 * self.size)).max(0.0);
                 let weight: f64 = over.iter().map(|(_, height)| bearing(*height)).sum();
@@ -162,6 +163,12 @@ impl Controller {
             let link = &figure.links[index];
             match link.part {
                 Part::Thigh(_) | Part::Shank(_) | Part::Foot(_) => {}
+                // Flat on the ground or along with the foot: as light as they are it is one to the rest.
+                Part::Toes(_) => {
+                    let parent = link.parent.unwrap_or(0);
+                    let along = self.motion.child(figure, index, &self.accelerations[parent], DVec3::ZERO);
+                    self.accelerations[index] = along;
+                }
                 Part::Trunk if self.tuning.apart => {
                     let parent = self.accelerations[0];
                     let still = self.motion.child(figure, index, &parent, DVec3::ZERO);
@@ -191,15 +198,15 @@ impl Controller {
             if self.swing.is_some_and(|swing| swing.side == side) {
                 continue;
             }
-            let state = &self.states[figure.legs[side as usize][2]];
-            let [a, b, .., y, z] = figure.soles[side as usize];
-            let middle = 0.25 * (a + b + y + z);
             let leaves = self.leaving.is_some_and(|(leaving, _)| leaving == side) || self.gait.leaves(side, self.time);
             let dear = if leaves { 30.0 } else { 1.0 };
+            let [a, b, .., y, z] = figure.soles[side as usize];
+            let middle = 0.25 * (a + b + y + z);
             for (index, corner) in figure.soles[side as usize].iter().enumerate() {
-                let at = state.origin + state.turn * (middle + (*corner - middle) * self.tuning.inside);
+                let corner = middle + (*corner - middle) * self.tuning.inside;
+                let at = figure.carried(&self.states, side, index, corner);
                 let spot = terrain.spot(flat(at));
-                if at.y - spot.height < 0.02 * self.size {
+                if self.bears(terrain, at) {
                     let corner = Corner {
                         at,
                         normal: spot.normal,
@@ -212,5 +219,10 @@ impl Controller {
             }
         }
         corners
+    }
+
+    /// Whether a corner is near enough to the ground to bear.
+    fn bears(&self, terrain: &Terrain, corner: DVec3) -> bool {
+        corner.y - terrain.spot(flat(corner)).height < 0.02 * self.size
     }
 }

@@ -3,11 +3,10 @@
 
 use super::figure::{Figure, above_legs};
 use super::ground::{double, rotation, vector};
-use super::sole;
 use crate::dynamics::{Articulation, Loose, Touch};
-use crate::model::Terrain;
 use crate::model::scenario::GroundKind;
 use crate::model::terrain::FIRST;
+use crate::model::{Side, Terrain};
 use glam::{DQuat, DVec2, DVec3};
 use rapier3d::math::Pose;
 use rapier3d::parry::query::ContactManifold;
@@ -75,13 +74,7 @@ impl Surroundings {
         let hulls = (0..figure.links.len()).map(|index| {
             let (half, middle) = above_legs(figure, index);
             let mut hull = Hull::new(half, middle, figure.links[index].turn);
-            if let Some(side) = figure.legs.iter().position(|leg| leg[2] == index) {
-                hull.corners[..sole::POINTS].copy_from_slice(&figure.soles[side]);
-                // Above, over the heel's middle and over the tip's.
-                for (corner, end) in [(sole::POINTS, -1.0), (sole::POINTS + 1, 1.0)] {
-                    hull.corners[corner] = hull.middle + hull.turn * (half * DVec3::new(0.0, 1.0, end));
-                }
-            }
+            hull.bear_on_sole(figure, index);
             hull
         });
         Surroundings { hulls: hulls.collect(), treads: treads(terrain), balls: Vec::new(), carried: None }
@@ -229,6 +222,19 @@ impl Hull {
         let corners = std::array::from_fn(|corner| middle + turn * (half * signs(corner as u32)));
         let radius = corners.iter().map(|corner| corner.length()).fold(0.0, f64::max);
         Hull { half, middle, turn, corners, radius }
+    }
+
+    /// A foot bears on its sole's outline, toes on its tip; above they keep their box.
+    fn bear_on_sole(&mut self, figure: &Figure, link: usize) {
+        let Some(side) = Side::BOTH.into_iter().find(|side| figure.legs[*side as usize][2] == figure.bears(link))
+        else {
+            return;
+        };
+        let above = [2, 3, 6, 7].map(|corner| self.corners[corner]);
+        let low = figure.sole_of(side, link);
+        for (index, corner) in self.corners.iter_mut().enumerate() {
+            *corner = low.get(index).copied().unwrap_or(above[index % 4]);
+        }
     }
 }
 

@@ -46,6 +46,7 @@ pub struct World {
     pub(super) offsets: Vec<DVec3>, // m, by which the law's centre of a link is beside its own, link's frame
     centres: Vec<DVec3>,
     pressed: Vec<f64>,
+    bears: Vec<usize>, // the link that what presses on one counts for: a toe's is its foot
 }
 
 impl World {
@@ -83,6 +84,7 @@ impl World {
             offsets: vec![DVec3::ZERO; figure.links.len()],
             centres: figure.links.iter().map(|link| link.centre).collect(),
             pressed: vec![0.0; figure.links.len()],
+            bears: (0..figure.links.len()).map(|link| figure.bears(link)).collect(),
         })
     }
 
@@ -162,12 +164,12 @@ impl World {
         });
         self.pressed.fill(0.0);
         for met in self.around.met.iter().filter(|met| met.touch.other.is_none()) {
-            self.pressed[met.touch.link] += met.impulse.length();
+            self.pressed[self.bears[met.touch.link]] += met.impulse.length();
         }
         self.scatter(terrain, time);
     }
 
-    /// N s, what the ground pressed on a link's box in the last tick.
+    /// N s, what the ground pressed on a link's box in the last tick; a foot's toes count for the foot.
     pub fn pressed(&self, link: usize) -> f64 {
         self.pressed[link]
     }
@@ -179,7 +181,7 @@ impl World {
             let at = states[*index].origin;
             let knee = || at.y - terrain.spot(DVec2::new(at.x, at.z)).height < 0.2 * figure.leg_length;
             match figure.links[*index].part {
-                Part::Foot(_) => false,
+                Part::Foot(_) | Part::Toes(_) => false,
                 Part::Shank(_) => knee() && self.pressed(*index) > least,
                 _ => self.pressed(*index) > least,
             }

@@ -80,14 +80,10 @@ impl Record {
         let pressed = ticked.pressed.map(|impulse| impulse / self.dt);
         for side in Side::BOTH {
             let foot = side as usize;
-            let state = states[figure.legs[foot][2]];
-            let over = |corner: DVec3| {
-                let at = state.origin + state.turn * corner;
-                at.y - ground.spot(DVec2::new(at.x, at.z)).height
-            };
+            let over = |at: DVec3| at.y - ground.spot(DVec2::new(at.x, at.z)).height;
             self.soles[foot].push(Sole {
                 ankle: feet[foot].ankle,
-                lowest: figure.soles[foot].map(over).into_iter().fold(f64::INFINITY, f64::min),
+                lowest: figure.sole_at(states, side).map(over).into_iter().fold(f64::INFINITY, f64::min),
                 pressed: pressed[foot] > PRESSED * figure.mass * GRAVITY,
                 bears: report.bears[foot],
             });

@@ -1,0 +1,193 @@
+//! The toes of a foot as a link of their own: where a foot bends, what of it is toes, and what their joint gives.
+//!
+//! Metres, kilograms, scenario axes as of the figure. All toes are one box from the joint at their root (metatarsophalangeal) to the tip,
+//! on a hinge across the foot: a heel that rises turns about that joint, and the ball of the foot stays where it is. A foot whose rig has no
+//! such joint, or has it where no foot bends, stays one box.
+
+use super::figure::{Figure, Freedom, Link, Part, steiner};
+use super::forces::{Corner, Forces};
+use super::sole::{POINTS, TIP};
+use super::world::{LinkState, World};
+use crate::model::{Body, Role, Side};
+use glam::{DMat3, DQuat, DVec3};
+
+/// rad, least and most extension of the toes from flat: people's go up to 60 to 70 degrees (AAOS: 70; a walk takes 40 to 60). Down by
+/// less than people's: a figure does not grasp.
+const RANGE: [f64; 2] = [-0.35, 1.1];
+/// N m/rad and N m s/rad of a foot's toe joint, at 75 kg and legs of 0.83 m: what walks of people were simulated with (Falisse, Afschrift
+/// and De Groote 2022, PLoS ONE 17: e0256311; Sasaki, Neptune and Kautz 2009 take the same spring).
+const SPRING: [f64; 2] = [25.0, 2.0];
+/// The toes' share of the foot's mass, of their share of its length: 0.22 of 1.57 kg over a quarter of the length (Delp et al. 1990, as
+/// gait2392 of OpenSim has it).
+const THIN: f64 = 0.55;
+/// Shares of the sole's length: from the heel to the toe joint at least, and from there to the tip.
+const BEHIND: f64 = 0.4;
+const AHEAD: f64 = 0.08;
+/// Share of the ankle's height: higher over the sole than that there is no toe joint.
+const HIGH: f64 = 0.9;
+/// Share of a foot's inertia about any axis that is left to it without its toes, at least.
+const LEFT: f64 = 0.2;
+/// Share of what toes could be spared under a flat foot that they are spared: the ball bears it instead of the tip.
+const SPARED: f64 = 0.5;
+
+/// How a foot bends.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bend {
+    pub(super) role: Role,
+    pub(super) freedom: Freedom,
+    ahead: DVec3,
+    aside: f64,      // m, to the left of the ankle
+    over: f64,       // m, over the sole
+    span: [f64; 3],  // m, ahead of the ankle: heel, joint, tip
+    half_width: f64, // m
+}
+
+/// Where the foot of a body that stands so bends, if it does.
+pub(super) fn bend(body: &Body, positions: &[DVec3], turns: &[DQuat], side: Side) -> Option<Bend> {
+    let shape = &body.feet[side as usize];
+    let joint = shape.toe?;
+    let own = &body.joints[joint];
+    if !own.animated || own.parent != Some(shape.ankle) || body.joint(own.role) != Some(joint) {
+        return None;
+    }
+    let turn = turns[shape.ankle] * shape.level.inverse();
+    let ahead = turn * DVec3::new(shape.forward.x, 0.0, shape.forward.y);
+    let ahead = DVec3::new(ahead.x, 0.0, ahead.z).normalize_or_zero();
+    let at = positions[joint] - positions[shape.ankle];
+    let span = [shape.heel, at.dot(ahead), shape.foremost()];
+    let (aside, over) = (at.dot(DVec3::Y.cross(ahead)), at.y + shape.ankle_height);
+    let long = span[2] - span[0];
+    let along = span[1] > span[0] + BEHIND * long && span[2] > span[1] + AHEAD * long;
+    let within = aside.abs() < shape.half_width && (0.0..HIGH * shape.ankle_height).contains(&over);
+    let axis = ahead.cross(DVec3::Y);
+    let freedom = Freedom::Hinge { axis, range: RANGE };
+    let bend = Bend { role: own.role, freedom, ahead, aside, over, span, half_width: shape.half_width };
+    (along && within && long.is_finite() && axis.length() > 0.5).then_some(bend)
+}
+
+/// Takes the toes from a foot: its box ends at their joint, theirs begins there.
+pub(super) fn divide(bend: &Bend, foot: &mut Link, toes: &mut Link) {
+    let [heel, joint, tip] = bend.span;
+    let long = tip - joint;
+    foot.half.z = 0.5 * (joint - heel);
+    foot.middle -= bend.ahead * (0.5 * long);
+    let high = (2.0 * bend.over).clamp(0.5 * foot.half.y, 2.0 * foot.half.y);
+    toes.turn = foot.turn;
+    toes.half = DVec3::new(bend.half_width, 0.5 * high, 0.5 * long);
+    let left = DVec3::Y.cross(bend.ahead);
+    toes.middle = bend.ahead * (0.5 * long) + DVec3::Y * (0.5 * high - bend.over) - left * bend.aside;
+    // As much as leaves the foot an inertia.
+    let mut share = (THIN * long / (tip - heel)).clamp(0.04, 0.3);
+    let (mass, centre, inertia) = (foot.mass, foot.centre, foot.inertia);
+    let turn = DMat3::from_quat(toes.turn);
+    let square = 4.0 * toes.half * toes.half;
+    let own = DVec3::new(square.y + square.z, square.z + square.x, square.x + square.y) / 12.0;
+    for _ in 0..8 {
+        (foot.mass, toes.mass) = (mass * (1.0 - share), mass * share);
+        toes.centre = toes.middle;
+        foot.centre = (centre * mass - (toes.anchor + toes.centre) * toes.mass) / foot.mass;
+        toes.inertia = turn * DMat3::from_diagonal(own * toes.mass) * turn.transpose();
+        let moved = steiner(foot.mass, foot.centre - centre)
+            + toes.inertia
+            + steiner(toes.mass, toes.anchor + toes.centre - centre);
+        foot.inertia = inertia - moved;
+        let least = inertia * LEFT;
+        if is_positive(foot.inertia - least) {
+            return;
+        }
+        share *= 0.5;
+    }
+    foot.inertia = inertia;
+}
+
+/// Whether a symmetric matrix is positive definite (Sylvester).
+fn is_positive(m: DMat3) -> bool {
+    let minor = m.x_axis.x * m.y_axis.y - m.x_axis.y * m.y_axis.x;
+    m.x_axis.x > 0.0 && minor > 0.0 && m.determinant() > 0.0
+}
+
+impl Figure {
+    /// The toes' link of a foot, if it has one, and where its joint is in the foot's frame.
+    fn fore(&self, side: Side) -> Option<(usize, DVec3)> {
+        self.toes[side as usize].map(|toes| (toes, self.links[toes].anchor))
+    }
+
+    /// The link that what presses on a link counts for: toes are part of their foot.
+    pub(super) fn bears(&self, link: usize) -> usize {
+        match (self.links[link].part, self.links[link].parent) {
+            (Part::Toes(_), Some(foot)) => foot,
+            _ => link,
+        }
+    }
+
+    /// m, where a corner (its number in the sole, its place in the foot's frame where the toes are flat) is: those of the tip go with the toes.
+    pub(super) fn carried(&self, states: &[LinkState], side: Side, index: usize, corner: DVec3) -> DVec3 {
+        let (link, from) = match self.fore(side) {
+            Some((toes, anchor)) if index >= TIP => (toes, anchor),
+            _ => (self.legs[side as usize][2], DVec3::ZERO),
+        };
+        states[link].origin + states[link].turn * (corner - from)
+    }
+
+    /// m, the corners of a sole where the links are.
+    pub fn sole_at(&self, states: &[LinkState], side: Side) -> [DVec3; POINTS] {
+        let sole = &self.soles[side as usize];
+        std::array::from_fn(|index| self.carried(states, side, index, sole[index]))
+    }
+
+    /// m, the corners of what of a foot is rigid, its frame: to the ball where it has toes.
+    pub fn stiff_sole(&self, side: Side) -> &[DVec3] {
+        let sole = &self.soles[side as usize];
+        if self.fore(side).is_some() { &sole[..TIP] } else { sole }
+    }
+
+    /// m, the corners of a foot's sole that a link (the foot or its toes) has, its frame.
+    pub(super) fn sole_of(&self, side: Side, link: usize) -> Vec<DVec3> {
+        match self.fore(side) {
+            Some((toes, anchor)) if toes == link => {
+                self.soles[side as usize][TIP..].iter().map(|corner| *corner - anchor).collect()
+            }
+            _ => self.stiff_sole(side).to_vec(),
+        }
+    }
+
+    /// N m/rad and N m s/rad that a toe joint gives of itself.
+    pub(super) fn toe_spring(&self) -> [f64; 2] {
+        let size = self.leg_length / 0.83;
+        let scale = self.mass / 75.0 * size;
+        [SPRING[0] * scale, SPRING[1] * scale * size.sqrt()]
+    }
+}
+
+/// N m about the hinge of a foot's toes (under 0 bends them down): of the planned forces on its front corners, and of those behind.
+pub(super) fn asked(
+    figure: &Figure,
+    states: &[LinkState],
+    forces: &Forces,
+    corners: &[(usize, Corner)],
+    side: usize,
+) -> [f64; 2] {
+    let Some(toes) = figure.toes[side] else { return [0.0; 2] };
+    let Freedom::Hinge { axis, .. } = figure.links[toes].freedom else { return [0.0; 2] };
+    let (at, axis) = (states[toes].origin, states[figure.legs[side][2]].turn * axis);
+    // Corners are named so many a foot, the rear ones first.
+    let about = |front: bool| {
+        let which = |name: usize, corner: &Corner| corner.foot == side && (name % POINTS >= TIP) == front;
+        forces.on(corners, &which, at).1.dot(axis)
+    };
+    [about(true), about(false)]
+}
+
+/// The joint of the toes of a foot for the coming tick: its spring and damper, and what it is to give beyond so that the tip bears as is
+/// planned. `front` and `rear`: N m about the hinge (extending) of the planned forces ahead of it and behind it.
+pub(super) fn drive(figure: &Figure, world: &mut World, states: &[LinkState], link: usize, [front, rear]: [f64; 2]) {
+    let Freedom::Hinge { axis, .. } = figure.links[link].freedom else { return };
+    let parent = figure.links[link].parent.unwrap_or(0);
+    let angle = super::short(states[parent].turn.inverse() * states[link].turn).dot(axis);
+    let [stiffness, damping] = figure.toe_spring();
+    // Under a flat foot forces at heel and tip are as good as some at the ball.
+    let wanted = front - SPARED * front.min(-rear).max(0.0);
+    let more = (wanted - stiffness * angle.max(0.0)).max(0.0);
+    let ahead = axis * (-angle - more / stiffness.max(1e-9));
+    world.drive(link, DVec3::splat(stiffness), DVec3::splat(damping), ahead);
+}
