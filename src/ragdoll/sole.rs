@@ -9,7 +9,9 @@ use glam::{DQuat, DVec2, DVec3};
 
 /// Points of a sole.
 pub const POINTS: usize = 6;
-/// From which on they are those of the tip.
+/// From which on they are those of the ball, and of the tip.
+pub(super) const BALL: usize = 2;
+/// As `BALL` says.
 pub(super) const TIP: usize = 4;
 /// Share of the sole's length, from either end, at which its width is taken: ends are round.
 const ENDS: f64 = 0.03;

@@ -1,12 +1,13 @@
 //! The toes of a foot as a link of their own: where a foot bends, what of it is toes, and what their joint gives.
 //!
 //! Metres, kilograms, scenario axes as of the figure. All toes are one box from the joint at their root (metatarsophalangeal) to the tip,
-//! on a hinge across the foot: a heel that rises turns about that joint, and the ball of the foot stays where it is. A foot whose rig has no
-//! such joint, or has it where no foot bends, stays one box.
+//! on a hinge across the foot: a heel that rises turns about that joint, and the ball of the foot stays where it is. What bears at the ball is
+//! the toes' box, for their joint is over it: a sole's edge before the joint would move on along the ground as the heel rises. A foot whose rig
+//! has no such joint, or has it where no foot bends, stays one box.
 
 use super::figure::{Figure, Freedom, Link, Part, steiner};
 use super::forces::{Corner, Forces};
-use super::sole::{POINTS, TIP};
+use super::sole::{BALL, POINTS, TIP};
 use super::world::{LinkState, World};
 use crate::model::{Body, Role, Side};
 use glam::{DMat3, DQuat, DVec3};
@@ -40,6 +41,7 @@ pub(super) struct Bend {
     over: f64,       // m, over the sole
     span: [f64; 3],  // m, ahead of the ankle: heel, joint, tip
     half_width: f64, // m
+    weighed: bool,   // the toes have a mass of their own
 }
 
 /// Where the foot of a body that stands so bends, if it does.
@@ -61,7 +63,8 @@ pub(super) fn bend(body: &Body, positions: &[DVec3], turns: &[DQuat], side: Side
     let within = aside.abs() < shape.half_width && (0.0..HIGH * shape.ankle_height).contains(&over);
     let axis = ahead.cross(DVec3::Y);
     let freedom = Freedom::Hinge { axis, range: RANGE };
-    let bend = Bend { role: own.role, freedom, ahead, aside, over, span, half_width: shape.half_width };
+    let weighed = body.segments.iter().any(|segment| segment.joint == joint && segment.mass > 0.0);
+    let bend = Bend { role: own.role, freedom, ahead, aside, over, span, half_width: shape.half_width, weighed };
     (along && within && long.is_finite() && axis.length() > 0.5).then_some(bend)
 }
 
@@ -76,6 +79,9 @@ pub(super) fn divide(bend: &Bend, foot: &mut Link, toes: &mut Link) {
     toes.half = DVec3::new(bend.half_width, 0.5 * high, 0.5 * long);
     let left = DVec3::Y.cross(bend.ahead);
     toes.middle = bend.ahead * (0.5 * long) + DVec3::Y * (0.5 * high - bend.over) - left * bend.aside;
+    if bend.weighed {
+        return;
+    }
     // As much as leaves the foot an inertia.
     let mut share = (THIN * long / (tip - heel)).clamp(0.04, 0.3);
     let (mass, centre, inertia) = (foot.mass, foot.centre, foot.inertia);
@@ -120,10 +126,10 @@ impl Figure {
         }
     }
 
-    /// m, where a corner (its number in the sole, its place in the foot's frame where the toes are flat) is: those of the tip go with the toes.
+    /// m, where a corner (its number in the sole, its place in the foot's frame where the toes are flat) is: those of ball and tip go with the toes.
     pub(super) fn carried(&self, states: &[LinkState], side: Side, index: usize, corner: DVec3) -> DVec3 {
         let (link, from) = match self.fore(side) {
-            Some((toes, anchor)) if index >= TIP => (toes, anchor),
+            Some((toes, anchor)) if index >= BALL => (toes, anchor),
             _ => (self.legs[side as usize][2], DVec3::ZERO),
         };
         states[link].origin + states[link].turn * (corner - from)
@@ -145,9 +151,10 @@ impl Figure {
     pub(super) fn sole_of(&self, side: Side, link: usize) -> Vec<DVec3> {
         match self.fore(side) {
             Some((toes, anchor)) if toes == link => {
-                self.soles[side as usize][TIP..].iter().map(|corner| *corner - anchor).collect()
+                self.soles[side as usize][BALL..].iter().map(|corner| *corner - anchor).collect()
             }
-            _ => self.stiff_sole(side).to_vec(),
+            Some(_) => self.soles[side as usize][..BALL].to_vec(),
+            None => self.soles[side as usize].to_vec(),
         }
     }
 
@@ -190,4 +197,144 @@ pub(super) fn drive(figure: &Figure, world: &mut World, states: &[LinkState], li
     let more = (wanted - stiffness * angle.max(0.0)).max(0.0);
     let ahead = axis * (-angle - more / stiffness.max(1e-9));
     world.drive(link, DVec3::splat(stiffness), DVec3::splat(damping), ahead);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::fixture;
+    use crate::model::{BodyPose, Terrain};
+    use crate::ragdoll::{Controller, Locks, Tuning};
+
+    /// The synthetic humanoid, its toes part of its feet's mass or with one of their own, and its stand with knees a little bent.
+    fn humanoid(weighed: bool) -> (Body, BodyPose) {
+        let mut body = fixture::body();
+        if !weighed {
+            let toes = body.feet.clone().map(|foot| foot.toe.expect("toes"));
+            body.segments.retain(|segment| !toes.contains(&segment.joint));
+            body.mass = body.segments.iter().map(|segment| segment.mass).sum();
+        }
+        let mut stand = BodyPose::rest(&body);
+        for leg in [[Role::LeftUpperLeg, Role::LeftLowerLeg], [Role::RightUpperLeg, Role::RightLowerLeg]] {
+            for (role, turn) in leg.into_iter().zip([-0.25, 0.25]) {
+                stand.turns[body.joint(role).expect("a leg")] = DQuat::from_rotation_x(turn);
+            }
+        }
+        let foot = body.feet[0].ankle;
+        stand.hips.y -= stand.positions(&body)[foot].y - body.feet[0].ankle_height;
+        (body, stand)
+    }
+
+    fn locked() -> Locks {
+        Locks { toes: true, ..Locks::default() }
+    }
+
+    #[test]
+    fn toes_take_their_mass_and_their_box_from_the_foot_and_nothing_is_lost() {
+        for weighed in [false, true] {
+            let (body, stand) = humanoid(weighed);
+            let (whole, bent) = (Figure::new(&body, &stand, locked()), Figure::new(&body, &stand, Locks::default()));
+            assert!((whole.mass - body.mass).abs() < 1e-9 && (bent.mass - body.mass).abs() < 1e-9);
+            assert_eq!(bent.links.len(), whole.links.len() + 2);
+            for side in Side::BOTH {
+                let one = &whole.links[whole.legs[side as usize][2]];
+                let foot = &bent.links[bent.legs[side as usize][2]];
+                let toes = &bent.links[bent.toes[side as usize].expect("it bends")];
+                assert!((0.04..0.35).contains(&(toes.mass / one.mass)), "{} of {} kg", toes.mass, one.mass);
+                let (a, b) = (foot.centre, toes.anchor + toes.centre);
+                assert!(((a * foot.mass + b * toes.mass) / one.mass).distance(one.centre) < 1e-9);
+                let sum = foot.inertia
+                    + toes.inertia
+                    + steiner(foot.mass, a - one.centre)
+                    + steiner(toes.mass, b - one.centre);
+                assert!((sum - one.inertia).to_cols_array().iter().all(|value| value.abs() < 1e-9), "{sum}");
+                assert!(is_positive(foot.inertia) && is_positive(toes.inertia), "{weighed}");
+                // Boxes: heel to joint, joint to tip, both on the ground.
+                let shape = &body.feet[side as usize];
+                assert!((foot.middle.z - foot.half.z - shape.heel).abs() < 1e-9);
+                assert!((foot.middle.z + foot.half.z - toes.anchor.z).abs() < 1e-9);
+                assert!((toes.middle.z - toes.half.z).abs() < 1e-9);
+                assert!((toes.anchor.z + toes.middle.z + toes.half.z - shape.tip).abs() < 1e-9);
+                for (middle, half) in [(foot.middle, foot.half), (toes.anchor + toes.middle, toes.half)] {
+                    assert!((middle.y - half.y + shape.ankle_height).abs() < 1e-9);
+                }
+            }
+        }
+    }
+
+    /// Both heels raised by that angle over toes that lie flat.
+    fn tiptoe(body: &Body, stand: &BodyPose, angle: f64) -> BodyPose {
+        let (mut pose, rise) = (stand.clone(), DQuat::from_rotation_x(angle));
+        let positions = stand.positions(body);
+        for foot in &body.feet {
+            pose.turns[foot.ankle] = rise * stand.turns[foot.ankle];
+        }
+        let (ankle, ball) = (positions[body.feet[0].ankle], positions[body.feet[0].toe.expect("toes")]);
+        pose.hips += ball + rise * (ankle - ball) - ankle;
+        pose
+    }
+
+    #[test]
+    fn on_tiptoe_the_ball_and_the_tip_bear_and_the_toes_stay_while_the_heels_come_down() {
+        let (body, stand) = humanoid(false);
+        let figure = Figure::new(&body, &stand, Locks::default());
+        let pose = tiptoe(&body, &stand, 0.4);
+        let terrain = Terrain::flat();
+        let mut world = World::new(&figure, &figure.placed(&body, &pose), &terrain, 0.01, 2).expect("a tree");
+        let mut control = Controller::new(&figure, &world, Tuning::default());
+        let mut states = Vec::new();
+        world.read(&mut states);
+        let heel = |states: &[LinkState]| figure.sole_at(states, Side::Left)[0].y;
+        let ball = |states: &[LinkState]| states[figure.toes[0].expect("toes")].origin;
+        let (high, at) = (heel(&states), ball(&states));
+        assert!(high > 0.05, "{high} m");
+        let bearing: Vec<usize> = control.corners(&figure, &terrain).iter().map(|(name, _)| name % POINTS).collect();
+        assert!(bearing.len() == 8 && bearing.iter().all(|name| *name >= BALL), "{bearing:?}");
+        let mut down = None;
+        for tick in 0..100 {
+            world.clear_forces();
+            control.tick(&figure, &mut world, &terrain);
+            world.step(&terrain, 0.01 * f64::from(tick + 1));
+            world.read(&mut states);
+            assert_eq!(World::broken(&figure, &states), None);
+            if control.swing.is_some() {
+                break;
+            }
+            // Over an edge of the sole that turned with the foot they would go 8 mm on.
+            assert!(ball(&states).distance(at) < 0.006, "the ball moves by {} m", ball(&states).distance(at));
+            if heel(&states) < 0.003 {
+                down.get_or_insert(tick);
+            }
+        }
+        assert!(down.is_some_and(|tick| tick > 3), "the heels come down at tick {down:?}");
+    }
+
+    #[test]
+    fn a_rig_whose_toe_joints_are_nowhere_a_foot_bends_keeps_its_feet_whole() {
+        let places: [(&str, fn(&mut Body, usize)); 8] = [
+            ("behind the heel", |body, toe| body.joints[toe].rest.z = -0.2),
+            ("under the ankle", |body, toe| body.joints[toe].rest.z = 0.0),
+            ("at the tip", |body, toe| body.joints[toe].rest.z = 0.188),
+            ("above the ankle", |body, toe| body.joints[toe].rest.y = 0.2),
+            ("in the ground", |body, toe| body.joints[toe].rest.y = -0.05),
+            ("beside the foot", |body, toe| body.joints[toe].rest.x += 0.1),
+            ("nowhere", |body, toe| body.joints[toe].rest.x = f64::NAN),
+            ("moved by no node", |body, toe| body.joints[toe].animated = false),
+        ];
+        for (name, misplaced) in places {
+            let (mut body, stand) = humanoid(false);
+            let whole = Figure::new(&body, &stand, locked());
+            for side in 0..2 {
+                let toe = body.feet[side].toe.expect("toes");
+                misplaced(&mut body, toe);
+            }
+            let figure = Figure::new(&body, &stand, Locks::default());
+            assert_eq!((figure.toes, figure.links.len()), ([None; 2], whole.links.len()), "{name}");
+            for (link, own) in figure.links.iter().zip(&whole.links) {
+                assert_eq!((link.part, link.mass, link.inertia), (own.part, own.mass, own.inertia), "{name}");
+                assert_eq!((link.half, link.middle), (own.half, own.middle), "{name}");
+            }
+            assert_eq!(figure.stiff_sole(Side::Left), figure.soles[0], "{name}");
+        }
+    }
 }

@@ -224,7 +224,7 @@ impl Hull {
         Hull { half, middle, turn, corners, radius }
     }
 
-    /// A foot bears on its sole's outline, toes on its tip; above they keep their box.
+    /// A foot bears on its sole's outline, toes on that of ball and tip; above they keep their box.
     fn bear_on_sole(&mut self, figure: &Figure, link: usize) {
         let Some(side) = Side::BOTH.into_iter().find(|side| figure.legs[*side as usize][2] == figure.bears(link))
         else {

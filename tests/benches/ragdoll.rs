@@ -420,9 +420,10 @@ fn ticks(subject: &Subject) {
     let com = DVec3::Y * subject.physique.com_height;
     let target = stand::stand_target(&subject.body, &plants, com, 0.0);
     let pose = Solver::new(&subject.body, &subject.anatomy).solve(&target).pose;
-    for (name, locks, wanted) in
-        [("all joints", Locks::default(), 60), ("hands and head locked", Locks { hands: true, head: true, ..Locks::default() }, 55)]
-    {
+    for (name, locks, wanted) in [
+        ("all joints", Locks::default(), 60),
+        ("hands and head locked", Locks { hands: true, head: true, ..Locks::default() }, 55),
+    ] {
         let figure = Figure::new(&subject.body, &pose, locks);
         let terrain = Terrain::flat();
         let mut world = World::new(&figure, &figure.placed(&subject.body, &pose), &terrain, 0.01, 2).expect("a tree");
