@@ -82,6 +82,8 @@ mod limits_grid;
 mod looped;
 /// What the measures say of a walk over force plates.
 mod measure;
+/// The articulated body in the mirror: a scenario and its mirror image.
+mod mirrored;
 /// Clips of every kind: sizes, ways, feet, writing back.
 mod mocap;
 /// Clips made by hand, broken and malicious ones.
