@@ -88,6 +88,8 @@ mod mirrored;
 mod mocap;
 /// Clips made by hand, broken and malicious ones.
 mod mocap_files;
+/// Bodies that are none, and numbers far from a person's, with the articulated body at the shell.
+mod odd_bodies;
 /// Contact sheets of real rigs.
 mod picture;
 /// Clips of the articulated body are its runs: joints, outcome, footfalls.

@@ -64,8 +64,20 @@ fn driven(body: &Body, scenario: &Scenario, seed: u64, help: (Helped, u8)) -> Re
     let (image, twins) = body.mirrored();
     // Who is the same on both sides plays both himself: what his file rounds would grow in a run.
     let player = if body.is_alike(&image) { body } else { &image };
-    let driven = run(player, &scenario, seed, help)?;
+    let driven = run(player, &scenario, seed, help).map_err(in_the_mirror)?;
     Ok(Driven { run: driven.run.mirrored(&twins), ..driven })
+}
+
+/// The part that is named is the other side's.
+fn in_the_mirror(error: BakeError) -> BakeError {
+    match error {
+        BakeError::Overdone { time, what, mass } => {
+            let [left, right] = ["the left ", "the right "];
+            let what = if what.contains(left) { what.replace(left, right) } else { what.replace(right, left) };
+            BakeError::Overdone { time, what, mass }
+        }
+        error => error,
+    }
 }
 
 /// The run of a scenario as it is.
