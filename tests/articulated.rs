@@ -8,7 +8,7 @@ use crate::common::builtin;
 use glam::DVec3;
 use surefoot::maths::seed::Seed;
 use surefoot::measure::{KnownPush, PushPoint};
-use surefoot::model::{Body, Physique, Role, Terrain};
+use surefoot::model::{Body, BodyPose, Physique, Role, Terrain};
 use surefoot::ragdoll::control::Assist;
 use surefoot::ragdoll::dynamics::{Acceleration, LegMap, Motion};
 use surefoot::ragdoll::{Figure, Locks, World};
@@ -25,6 +25,16 @@ fn run(body: &Body, pushes: &[KnownPush], duration: f64, assist: Assist) -> Arti
     let pushes: Vec<(KnownPush, bool)> = pushes.iter().map(|push| (*push, false)).collect();
     simulate_articulated(body, &anatomy, &physique, &Terrain::flat(), &options, &pushes, assist)
         .expect("the body does not break down")
+}
+
+/// The body as links, and how it stands.
+fn standing(body: &Body) -> (Figure, BodyPose) {
+    let anatomy = Anatomy::new(body);
+    let physique = stand::physique(body, &anatomy);
+    let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
+    let target = stand::stand_target(body, &plants, DVec3::Y * physique.com_height, 0.0);
+    let pose = Solver::new(body, &anatomy).solve(&target).pose;
+    (Figure::new(body, &pose, Locks::default()), pose)
 }
 
 /// `degrees`: 90 is to its left.
@@ -76,12 +86,7 @@ fn falls_on_its_own_where_help_holds_it_and_the_help_keeps_its_bounds() {
 #[test]
 fn hip_and_ankle_make_up_for_a_knee_that_is_bent_apart() {
     let body = builtin().body;
-    let anatomy = Anatomy::new(&body);
-    let physique = stand::physique(&body, &anatomy);
-    let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
-    let target = stand::stand_target(&body, &plants, DVec3::Y * physique.com_height, 0.0);
-    let pose = Solver::new(&body, &anatomy).solve(&target).pose;
-    let figure = Figure::new(&body, &pose, Locks::default());
+    let (figure, pose) = standing(&body);
     let world = World::new(&figure, &figure.placed(&body, &pose), &Terrain::flat(), 0.01, 2).expect("a tree");
     let (mut states, mut motion) = (Vec::new(), Motion::default());
     world.read(&mut states);
@@ -211,12 +216,7 @@ fn people_differ_in_when_where_or_with_which_foot_they_step() {
 #[test]
 fn a_body_that_is_none_is_an_error_in_words() {
     let body = builtin().body;
-    let anatomy = Anatomy::new(&body);
-    let physique = stand::physique(&body, &anatomy);
-    let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
-    let target = stand::stand_target(&body, &plants, DVec3::Y * physique.com_height, 0.0);
-    let pose = Solver::new(&body, &anatomy).solve(&target).pose;
-    let figure = Figure::new(&body, &pose, Locks::default());
+    let (figure, pose) = standing(&body);
     let made = |change: &dyn Fn(&mut Figure)| {
         let mut figure = figure.clone();
         change(&mut figure);

@@ -107,7 +107,7 @@ pub fn twins(body: &Body) -> Option<Vec<usize>> {
 }
 
 /// m, the farthest that a joint is from its twin's mirror image.
-fn apart(ours: &[DVec3], theirs: &[DVec3], twins: &[usize]) -> f64 {
+pub fn apart(ours: &[DVec3], theirs: &[DVec3], twins: &[usize]) -> f64 {
     let off = |(joint, place): (usize, &DVec3)| (theirs[twins[joint]] * DVec3::new(-1.0, 1.0, 1.0)).distance(*place);
     ours.iter().enumerate().map(off).fold(0.0, f64::max)
 }

@@ -142,6 +142,19 @@ fn the_drive_that_is_chosen_for_a_fall_is_the_one_whose_clip_shows_it_and_the_re
     assert!(lost.is_some() && lost == baked.performance.lost);
 }
 
+#[test]
+fn where_the_steppers_clip_is_as_good_as_can_be_seen_the_ragdoll_is_not_tried() {
+    let options = BakeOptions { drive: Drive::Auto(Helped::Auto), ..BakeOptions::default() };
+    let chosen = |newtons: f64| bake(&built_in(), &shoved(newtons, Direction::Back), &options).expect("it bakes");
+    let clear = chosen(100.0);
+    let choice = clear.choice.as_ref().expect("a choice");
+    assert!(clear.report.drive == "stepper" && clear.report.plausibility.score >= 0.95, "{choice:?}");
+    assert!(choice.other.is_none() && choice.why.contains("0.95"), "{choice:?}");
+    let hard = chosen(600.0);
+    let choice = hard.choice.as_ref().expect("a choice");
+    assert!(hard.report.plausibility.score < 0.95 && choice.other.is_some(), "both were looked at: {choice:?}");
+}
+
 fn walking(speed: f64, legs: f64) -> Scenario {
     let walk = Walk { start: 0.5, duration: None, speed, heading: 0.0, facing: None };
     let mut scenario = Scenario { duration: 6.0, walk: vec![walk], ..Scenario::default() };

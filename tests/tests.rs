@@ -82,10 +82,14 @@ mod limits_grid;
 mod looped;
 /// What the measures say of a walk over force plates.
 mod measure;
+/// The articulated body in the mirror: a scenario and its mirror image.
+mod mirrored;
 /// Clips of every kind: sizes, ways, feet, writing back.
 mod mocap;
 /// Clips made by hand, broken and malicious ones.
 mod mocap_files;
+/// Bodies that are none, and numbers far from a person's, with the articulated body at the shell.
+mod odd_bodies;
 /// Contact sheets of real rigs.
 mod picture;
 /// Clips of the articulated body are its runs: joints, outcome, footfalls.

@@ -1,4 +1,5 @@
-//! Chooses between the stepper and the articulated body: both play the scenario, and what is better is kept.
+//! Chooses between the stepper and the articulated body: both play the scenario, and what is better is kept. Where that is clear after
+//! one of them, the other bakes nothing.
 //!
 //! Who stands is before who falls, and who walks as told before who does not set off. Where things touch the body (balls, a box, a
 //! platform) the articulated body is kept; else the clip of the higher plausibility, the stepper's where they are even. Where
@@ -12,6 +13,9 @@ use crate::rig::Rig;
 
 /// Why the ragdoll is kept where balls, a box or a platform meet a body that stays up.
 const TOUCHED: &str = "things touch the body";
+
+/// Plausibility from which on another clip of someone who stands could hardly look better: what is above are differences that nobody sees.
+const PLAUSIBLE: f64 = 0.95;
 
 /// Why a drive was chosen.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +58,10 @@ pub fn choose(stepper: Baked, rig: &Rig, scenario: &Scenario, options: &BakeOpti
     let unplayed = unplayed(scenario);
     if !unplayed.is_empty() {
         return stepper.chosen(format!("the ragdoll cannot play {} yet", unplayed.join(", ")), None);
+    }
+    if stepper.fall().is_none() && !touched(scenario) && stepper.report.plausibility.score >= PLAUSIBLE {
+        return stepper
+            .chosen(format!("its clip stands, and no other is needed from a plausibility of {PLAUSIBLE} on"), None);
     }
     better(stepper, bake_by(rig, scenario, options, Drive::Ragdoll(helped)), scenario)
 }

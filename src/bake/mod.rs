@@ -105,6 +105,19 @@ pub enum BakeError {
         /// What became infinite, flew away or came apart.
         what: String,
     },
+    /// The articulated body was thrown about faster or farther than any body is.
+    #[error(
+        "the ragdoll cannot go on at {time:.2} s: {what}. Give a body of {mass:.1} kg less of a push, or more mass \
+         ([character] mass), or bake with `--drive stepper`; if body and push are as people know them, please report both"
+    )]
+    Overdone {
+        /// s.
+        time: f64,
+        /// What became infinite, flew away or came apart.
+        what: String,
+        /// kg.
+        mass: f64,
+    },
     /// The base clip cannot be one.
     #[error(transparent)]
     Base(#[from] base::BaseError),

@@ -17,7 +17,7 @@ use crate::model::scenario::{Character, Feet, Scenario};
 use crate::model::{Body, Side, Terrain};
 use crate::sim::{Script, SessionPush, SimulateOptions, TickState, Trace, simulate};
 use crate::stepper::{Phase, Physique, Step, Style};
-use crate::whole_body::reaction::{Personality, Reaction, Senses, UpperAngles};
+use crate::whole_body::reaction::{Personality, Reaction, UpperAngles};
 use crate::whole_body::solve::Solved;
 use crate::whole_body::struck::{Blow, struck};
 use crate::whole_body::sway::Sway;
@@ -398,24 +398,12 @@ fn upper_body(
         Sway::new(seed, scenario.character.breathing, side, seconds, (physique.com_height / 0.96).sqrt())
     };
     let script = Script::of(scenario, Vec::new());
-    let senses = |tick: &TickState, time: f64| Senses {
-        acceleration: tick.acceleration,
-        push: tick.push,
-        push_moment: tick.push_moment,
-        xi: tick.xi,
-        velocity: DVec2::new(tick.velocity.x, tick.velocity.z),
-        wanted: tick.walk,
-        crouched: tick.crouched,
-        on_one: script.intent(time).stand != Feet::Both,
-        feet: tick.feet,
-        planted: tick.planted,
-        facing: tick.facing,
-    };
     let mut angles = Vec::with_capacity(ticks.len());
     for (index, tick) in ticks.iter().enumerate() {
         reaction.weigh(loaded.get(index).unwrap_or(physique).mass);
         let time = index as f64 * dt;
-        let reacts = reaction.tick_struck(&senses(tick, time), &struck(blows, tick.facing, time, dt), dt);
+        let senses = tick.senses(script.intent(time).stand != Feet::Both);
+        let reacts = reaction.tick_struck(&senses, &struck(blows, tick.facing, time, dt), dt);
         let sways = sway.at(time, reaction.calm());
         angles.push(std::array::from_fn(|entry| reacts[entry] + sways[entry]));
     }

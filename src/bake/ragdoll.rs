@@ -120,7 +120,7 @@ pub(super) fn run(
     let once = |bound: Assist, effort: u8| -> Result<Driven, BakeError> {
         let options = SimulateOptions { effort, ..*options };
         let run = simulate_with(body, anatomy, physique, &terrain, &options, pushes, bound, &things)
-            .map_err(|broken| BakeError::BrokeDown { time: broken.time, what: broken.what })?;
+            .map_err(|broken| BakeError::Overdone { time: broken.time, what: broken.what, mass: physique.mass })?;
         Ok(Driven { run, bound, why: None })
     };
     let scale = physique.mass / 89.5;

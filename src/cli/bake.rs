@@ -154,6 +154,9 @@ fn as_json(baked: &Baked, name: &str, places: Option<&Places>, warnings: &[Strin
         "plot": text(places.and_then(|places| places.plot)),
         "clip": name,
         "warnings": warnings,
+        "choice": baked.choice.as_ref().map(|choice| {
+            json!({ "drive": baked.report.drive, "why": choice.why, "other_score": choice.other })
+        }),
         "report": crate::export::events::report_json(name, &baked.report).unwrap_or_default(),
     });
     format!("{object}\n")

@@ -78,6 +78,7 @@ pub fn bake(
         BakeError::Unplayed { .. } | BakeError::Base(_) | BakeError::NoCycle { .. } => {
             Failure::bad_input(error.to_string())
         }
+        BakeError::Overdone { .. } => Failure::bad_input(format!("{}: {error}", args.rig.display())),
         error => Failure::failed(error.to_string()),
     })
 }

@@ -234,6 +234,47 @@ fn a_standing_box_presses_with_its_weight_under_its_centre() {
     assert!((0.0..0.0015).contains(&sunk), "{sunk} m deep");
 }
 
+/// A foot, a shank and a trunk, held upright by springs.
+fn upright(half: DVec3) -> Articulation {
+    let foot = Link { inertia: solid(half, 3.0), ..link(None, Joint::Free, DVec3::ZERO, 3.0, DVec3::ZERO) };
+    let shank = link(Some(0), Joint::Ball, DVec3::Y * half.y, 8.0, DVec3::Y * 0.2);
+    let trunk = link(Some(1), Joint::Ball, DVec3::Y * 0.4, 40.0, DVec3::Y * 0.3);
+    let tree = Tree::new(vec![foot, shank, trunk]).expect("a tree");
+    Articulation::new(tree, &[(DVec3::Y * half.y, DQuat::IDENTITY); 3], 1e4)
+}
+
+#[test]
+fn what_the_ground_gives_is_what_the_body_gains_at_rest_and_on_a_platform_that_turns() {
+    let (half, dt, mass) = (DVec3::new(0.25, 0.04, 0.25), 0.01, 51.0);
+    for most in [0.0, 0.12] {
+        let mut body = upright(half);
+        let mut around = Around::default();
+        let (mut off, mut gained, mut given) = (DVec3::ZERO, 0.0_f64, 0.0_f64);
+        for tick in 0..300 {
+            let tilt = |time: f64| DQuat::from_rotation_z(most * (3.0 * time).sin());
+            let time = f64::from(tick) * dt;
+            for link in [1, 2] {
+                let turn = body.place(link - 1).1.inverse() * body.place(link).1;
+                body.drive(link, DVec3::splat(4000.0), DVec3::splat(200.0), -turn.to_scaled_axis());
+            }
+            let before = body.momentum();
+            let spin = (tilt(time + dt) * tilt(time).inverse()).to_scaled_axis() / dt;
+            body.step(&mut around, dt, 2, &mut |body, loose, share, touches| {
+                let normal = tilt(time + share * dt) * DVec3::Y;
+                corners(half, normal, 0.9)(body, loose, share, touches);
+                touches.iter_mut().for_each(|touch| touch.surface = spin.cross(touch.at));
+            });
+            let pressed: DVec3 = around.met.iter().map(|met| met.impulse).sum();
+            let gain = body.momentum().linear - before.linear;
+            off = off.max((gain + DVec3::Y * (mass * G * dt) - pressed).abs());
+            (gained, given) = (gained.max(gain.length()), given.max(pressed.length()));
+        }
+        assert!(body.place(2).1.angle_between(DQuat::IDENTITY) < 0.3, "it stands: {:?}", body.place(2));
+        assert!(given > 0.9 * mass * G * dt && (most == 0.0 || gained > 0.1), "{given} N s, {gained} N s");
+        assert!(off.max_element() < 1e-9 * mass * G * dt, "tilted by {most}: {off} N s of {given} are from nowhere");
+    }
+}
+
 fn ball(mass: f64, place: DVec3, velocity: DVec3) -> Loose {
     let inertia = DVec3::splat(0.4 * mass * 0.01);
     Loose { mass, inertia, place, turn: DQuat::IDENTITY, velocity, spin: DVec3::ZERO, falls: false }

@@ -4,6 +4,7 @@ pub mod banded;
 pub mod curve;
 pub mod filter;
 pub mod hull;
+pub mod mirror;
 pub mod pendulum;
 pub mod quat;
 pub mod seed;

@@ -19,6 +19,8 @@ pub mod moving;
 mod notes;
 pub mod outcome;
 pub mod plausibility;
+#[cfg(test)]
+mod plausibility_tests;
 pub mod pops;
 pub mod residual;
 pub mod score;

@@ -7,6 +7,7 @@ pub mod file_kind;
 pub mod findings;
 mod leg_scale;
 pub mod load;
+mod mirror;
 pub mod physique;
 pub mod pose;
 pub mod props;

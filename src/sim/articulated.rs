@@ -22,6 +22,8 @@ use glam::{DQuat, DVec2, DVec3};
 const FALLEN: f64 = 0.57;
 /// And the share from which on who is falling lets himself fall.
 const GIVES_WAY: f64 = 0.82;
+/// The share under which a snapshot is kept at every tick: a fall may begin there.
+const SINKS: f64 = 0.95;
 /// s at rest, after which a run that goes on past what was asked ends.
 const RESTS: f64 = 0.5;
 
@@ -169,9 +171,6 @@ fn play(course: &Course, mut run: Run, options: &SimulateOptions) -> Result<Arti
     let made = record.finish(options.dt, acting, (lost, rest), course.terrain, options.duration);
     Ok(Articulated { joints: course.figure.joints(), balls, search: search.done(), ..made })
 }
-
-/// Share of the standing height under which a snapshot is kept at every tick: a fall may begin there.
-const SINKS: f64 = 0.95;
 
 /// The stand with the soles on ground that is not flat.
 fn on_ground(

@@ -2,6 +2,7 @@
 
 pub mod articulated;
 pub mod balls;
+mod mirror;
 mod record;
 mod run;
 pub mod script;

@@ -10,7 +10,7 @@ use crate::model::{Body, BodyPose, Load, Physique, Plant, Side, Terrain};
 use crate::ragdoll::control::Report;
 use crate::ragdoll::figure::Part;
 use crate::ragdoll::{Controller, Figure, LinkState, Tuning, World, fall};
-use crate::whole_body::reaction::{Personality, Reaction, Senses, upper_turns};
+use crate::whole_body::reaction::{Personality, Reaction, upper_turns};
 use crate::whole_body::solve::PoseTarget;
 use crate::whole_body::stand::relaxed_arms;
 use crate::whole_body::{Anatomy, ArmAngles, Solver, stand};
@@ -132,7 +132,7 @@ impl Run {
         let before = self.velocity.replace(report.velocity).unwrap_or(report.velocity);
         let pushed = (force + hit, moment + hit_moment);
         let state = state_of(course, &self.control, &report, pushed, (report.velocity - before) / dt, &ground);
-        let angles = self.reaction.tick(&senses(&state), dt);
+        let angles = self.reaction.tick(&state.senses(false), dt);
         let (_, _, _, arms) = upper_turns(&angles);
         self.pose_arms(figure, &self.at_walk(arms));
         if let Some(hold) = (things.hold)(time + dt) {
@@ -284,21 +284,5 @@ impl Run {
                 self.control.posture[lower] = DQuat::from_axis_angle(axis, bend);
             }
         }
-    }
-}
-
-fn senses(tick: &TickState) -> Senses {
-    Senses {
-        acceleration: tick.acceleration,
-        push: tick.push,
-        push_moment: tick.push_moment,
-        xi: tick.xi,
-        velocity: DVec2::new(tick.velocity.x, tick.velocity.z),
-        wanted: tick.walk,
-        crouched: 0.0,
-        on_one: false,
-        feet: tick.feet,
-        planted: tick.planted,
-        facing: tick.facing,
     }
 }

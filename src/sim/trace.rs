@@ -2,6 +2,7 @@
 
 use super::SessionPush;
 use crate::stepper::{Phase, Plant, Step};
+use crate::whole_body::reaction::Senses;
 use glam::{DVec2, DVec3};
 
 /// A finished run. Tick `i` stands at `i * dt` s.
@@ -54,4 +55,23 @@ pub struct TickState {
     pub gait: Phase,
     /// m, by how much a crouch lowers the centre of mass.
     pub crouched: f64,
+}
+
+impl TickState {
+    /// What the upper body knows of it; whether it means to stand on one foot the tick does not say.
+    pub fn senses(&self, on_one: bool) -> Senses {
+        Senses {
+            acceleration: self.acceleration,
+            push: self.push,
+            push_moment: self.push_moment,
+            xi: self.xi,
+            velocity: DVec2::new(self.velocity.x, self.velocity.z),
+            wanted: self.walk,
+            crouched: self.crouched,
+            on_one,
+            feet: self.feet,
+            planted: self.planted,
+            facing: self.facing,
+        }
+    }
 }

@@ -2,9 +2,10 @@
 //! the least help that recovers; standing, platforms, walks, balls, a box; the clips that come of pushes; what a tick costs.
 //!
 //! `cargo bench --bench ragdoll` prints it all for the built-in rig and the middle bins for two rigs that nobody here made, where
-//! their files are there: 64 pushes a bin on seeds that nothing was tuned on, some five minutes on two free cores. Words after `--`:
-//! a number of pushes a bin (256 for narrow intervals: a quarter of an hour), paths of other rigs, and names of sections
-//! (`pushes`, `standing`, `platform`, `walk`, `balls`, `box`, `clips`, `ticks`) to print these alone.
+//! their files are there: 64 pushes a bin on seeds that nothing was tuned on, about a minute on two free cores. Words after `--`: a
+//! number of pushes a bin (256 for narrow intervals: the built-in rig's take two minutes), paths of other rigs, and names of sections
+//! (`pushes`, `standing`, `platform`, `walk`, `balls`, `box`, `clips`, `ticks`) to print these alone. Beside the ticks stands what
+//! MuJoCo takes, where `python3` has it.
 
 #![expect(clippy::print_stdout, reason = "the table")]
 
@@ -448,5 +449,17 @@ fn ticks(subject: &Subject) {
             "tick, {name}: {:.0} µs of wanted {wanted} (law {law:.0}, links {step:.0}; median of 3000)",
             law + step
         );
+    }
+    println!("{}", mujoco());
+}
+
+/// What a step takes in MuJoCo, on this machine and now; or why that is not known.
+fn mujoco() -> String {
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/tools/mujoco_tick.py");
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).trim().to_owned();
+    match std::process::Command::new("python3").arg(script).output() {
+        Ok(output) if output.status.success() => text(&output.stdout),
+        Ok(output) => text(&output.stderr),
+        Err(error) => format!("skipped: MuJoCo, for python3 does not start: {error}"),
     }
 }

@@ -266,7 +266,9 @@ impl<'a> Track<'a> {
             values.clear();
             values.extend(marks.iter().map(|marks| marks[place][axis]));
             values.sort_by(f64::total_cmp);
-            values.get(values.len() / 2).copied().unwrap_or_default()
+            // Of an even number the middle of both: the mirror image has the mirrored median.
+            let middle = [values.len().saturating_sub(1) / 2, values.len() / 2];
+            middle.iter().filter_map(|at| values.get(*at)).sum::<f64>() * 0.5
         };
         [0, 1, 2, 3].map(|place| DVec3::new(median(place, 0), median(place, 1), median(place, 2)))
     }

@@ -21,24 +21,11 @@ pub fn perform(
     seed: u64,
     (helped, effort): (Helped, u8),
 ) -> Result<Performance, BakeError> {
+    let driven = driven(body, scenario, seed, (helped, effort))?;
     let anatomy = Anatomy::new(body);
     let physique = stand::physique(body, &anatomy);
     let (carried, loads) = carried::carried(body, &anatomy, scenario);
-    let options = SimulateOptions {
-        duration: scenario.duration,
-        style: style(&scenario.character),
-        personality: Personality::drawn(seed),
-        arms: scenario.character.style.arms,
-        effort,
-        // The run ends with the clip.
-        extra: 0.0,
-        seed,
-        ..SimulateOptions::default()
-    };
     let known = pushes::known(body, scenario);
-    let tosses = throws::tosses(scenario, seed);
-    let driven =
-        ragdoll::run(body, &anatomy, &physique, scenario, &options, &known, &tosses, (&carried, &loads), helped)?;
     let trace = driven.run.trace.clone();
     check(&trace)?;
     let balls = driven.balls();
@@ -65,6 +52,53 @@ pub fn perform(
         zmp_before_pass: Vec::new(),
         articulated: Some(driven),
     })
+}
+
+/// The run. What first goes to the right is played to the left by the mirrored body and seen in the mirror: a scenario and its mirror
+/// image are then the same run.
+fn driven(body: &Body, scenario: &Scenario, seed: u64, help: (Helped, u8)) -> Result<Driven, BakeError> {
+    let (scenario, mirrored) = scenario.to_the_left();
+    if !mirrored {
+        return run(body, &scenario, seed, help);
+    }
+    let (image, twins) = body.mirrored();
+    // Who is the same on both sides plays both himself: what his file rounds would grow in a run.
+    let player = if body.is_alike(&image) { body } else { &image };
+    let driven = run(player, &scenario, seed, help).map_err(in_the_mirror)?;
+    Ok(Driven { run: driven.run.mirrored(&twins), ..driven })
+}
+
+/// The part that is named is the other side's.
+fn in_the_mirror(error: BakeError) -> BakeError {
+    match error {
+        BakeError::Overdone { time, what, mass } => {
+            let [left, right] = ["the left ", "the right "];
+            let what = if what.contains(left) { what.replace(left, right) } else { what.replace(right, left) };
+            BakeError::Overdone { time, what, mass }
+        }
+        error => error,
+    }
+}
+
+/// The run of a scenario as it is.
+fn run(body: &Body, scenario: &Scenario, seed: u64, (helped, effort): (Helped, u8)) -> Result<Driven, BakeError> {
+    let anatomy = Anatomy::new(body);
+    let physique = stand::physique(body, &anatomy);
+    let (carried, loads) = carried::carried(body, &anatomy, scenario);
+    let options = SimulateOptions {
+        duration: scenario.duration,
+        style: style(&scenario.character),
+        personality: Personality::drawn(seed),
+        arms: scenario.character.style.arms,
+        effort,
+        // The run ends with the clip.
+        extra: 0.0,
+        seed,
+        ..SimulateOptions::default()
+    };
+    let known = pushes::known(body, scenario);
+    let tosses = throws::tosses(scenario, seed);
+    ragdoll::run(body, &anatomy, &physique, scenario, &options, &known, &tosses, (&carried, &loads), helped)
 }
 
 /// The run up to the clip's end; a fall that begins before it goes on until the body lies.
