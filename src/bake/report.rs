@@ -6,13 +6,14 @@
 use super::base;
 use super::contacts::{self, FootContact};
 use super::perform::Performance;
-use super::played::drift;
+use super::played::{Played, drift};
 use super::ragdoll::{self, Driven};
 use super::root_motion::RootMotion;
 use crate::maths::pendulum::GRAVITY;
-use crate::measure::{Findings, Frame, KnownPush, Motion, PushPoint, Setting, measure_in};
+use crate::measure::{self, Findings, Frame, KnownPush, Motion, PushPoint, Setting, measure_in};
 use crate::model::report::{
-    Assist, BaseReport, BodyReport, Contact, Disturbance, Drift, Event, JointTorque, Outcome, Plausibility, Search,
+    Assist, BaseReport, BodyReport, Contact, Disturbance, Drift, Event, JointTorque, Outcome, Plausibility, Scuff,
+    Search,
 };
 use crate::model::scenario::{GroundKind, Scenario};
 use crate::model::{Body, BodyPose, Clip, ClipReport, Role, Side};
@@ -57,7 +58,8 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
     let held = contacts::held(&performance.contacts, Frame::of(terrain));
     let crouched = performance.trace.ticks.iter().map(|tick| tick.crouched).fold(0.0, f64::max);
     let crouched = crouched - performance.trace.ticks.first().map_or(0.0, |tick| tick.crouched);
-    let setting = Setting { terrain, loads: &performance.timeline.loads, crouched };
+    let scuffs = performance.timeline.played.as_ref().map_or(&[][..], Played::scuffs);
+    let setting = Setting { terrain, loads: &performance.timeline.loads, crouched, scuffs };
     let mut findings = measure_in(motion, &setting, &held, &performance.pushes);
     let duration = input.clip.duration;
     let steps = performance.trace.steps.iter().filter(|step| step.land <= duration).count() as u32;
@@ -109,6 +111,7 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
                 told(input.rig, contact, Frame::of(terrain), slips.get(index).copied().unwrap_or(0.0))
             })
             .collect(),
+        scuffs: findings.iter().flat_map(|found| &found.scuffs).map(scuffed).collect(),
         events: events(
             performance,
             (fallen, findings.as_ref().and_then(|findings| findings.balance.rest_from)),
@@ -191,6 +194,11 @@ pub(super) fn told(rig: &Rig, contact: &FootContact, frame: Frame, slip_mm: f64)
         normal: (similarity.rotation * contact.plant.normal).to_array(),
         slip_mm,
     }
+}
+
+/// A scuff as the file says it.
+fn scuffed((scuff, slid_mm): &(measure::Scuff, f64)) -> Scuff {
+    Scuff { foot: scuff.side, start: scuff.start, end: scuff.end, slid_mm: *slid_mm }
 }
 
 /// s, between contacts that follow on one another.

@@ -219,6 +219,7 @@ fn report(
                 slip_mm: slip(at),
             })
             .collect(),
+        scuffs: Vec::new(),
         events,
         disturbances: capture
             .pushes

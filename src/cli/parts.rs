@@ -148,6 +148,7 @@ fn foreign(rig: &Rig, clip: &Clip) -> ClipReport {
         outcome: Outcome::Still,
         steps: 0,
         body: BodyReport { mass: rig.body.mass, height: rig.body.height },
+        scuffs: Vec::new(),
         contacts: Vec::new(),
         events: Vec::new(),
         disturbances: Vec::new(),

@@ -97,6 +97,7 @@ pub(crate) mod tests {
                 normal: [0.0, 1.0, 0.0],
                 slip_mm: 0.1,
             }],
+            scuffs: vec![Scuff { foot: Side::Right, start: 0.2, end: 0.3, slid_mm: 12.0 }],
             events: vec![Event { time: 0.5, name: "push_start".into(), foot: None, bone: None, impulse: None }],
             disturbances: Vec::new(),
             assist: Assist::default(),

@@ -24,6 +24,7 @@ mod plausibility_tests;
 pub mod pops;
 pub mod residual;
 pub mod score;
+pub mod scuff;
 pub mod stance;
 pub mod support;
 pub mod zmp;
@@ -31,6 +32,7 @@ pub mod zmp;
 pub use gate::{Hindrance, gate};
 pub use outcome::{Balance, balance};
 pub use plausibility::{Findings, Setting, measure, measure_in, measure_on, plausibility};
+pub use scuff::Scuff;
 
 use crate::model::{Body, BodyPose, Load, Side, Terrain, report::Part};
 use glam::{DQuat, DVec3};
@@ -172,6 +174,8 @@ pub struct Track<'a> {
     pub loads: &'a [Load],
     /// m, by how much the body means to go lower than it stands.
     pub crouched: f64,
+    /// When a foot bears without holding still.
+    pub scuffs: &'a [Scuff],
     positions: Vec<DVec3>, // (samples x joints), sample-major
 }
 
@@ -187,7 +191,7 @@ impl<'a> Track<'a> {
             pose.positions_into(motion.body, &mut one);
             positions.extend_from_slice(&one);
         }
-        Some(Track { motion, terrain: None, loads: &[], crouched: 0.0, positions })
+        Some(Track { motion, terrain: None, loads: &[], crouched: 0.0, scuffs: &[], positions })
     }
 
     /// The same over a ground that is known.
@@ -204,6 +208,11 @@ impl<'a> Track<'a> {
     /// The same of a body that means to go so much lower, m.
     pub fn crouching(self, crouched: f64) -> Track<'a> {
         Track { crouched, ..self }
+    }
+
+    /// The same whose feet scuff.
+    pub fn scuffing(self, scuffs: &'a [Scuff]) -> Track<'a> {
+        Track { scuffs, ..self }
     }
 
     /// kg, the body and what it carries at a sample.

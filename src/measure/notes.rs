@@ -1,13 +1,15 @@
 //! Sentences for a person: what is to be looked at in a motion, and when. The most telling first.
 
-use super::Findings;
 use super::joints::LIMIT_TOLERANCE;
 use super::score::{ANKLE_SPEED, LEGS_APART};
+use super::{Findings, Scuff};
 
 /// s of hover that a person sees: two frames of film.
 const SEEN_HOVER: f64 = 0.08;
 /// m at the reference leg, between the axes of shanks and feet in a swing; nearer, they touch.
 const SWING_APART: f64 = 0.08;
+/// mm at the reference leg: so far a foot slides before viewers notice (Prazak 2011).
+const SEEN_SLIDE: f64 = 21.0;
 /// m at the reference leg, half a foot's length: a stance that is farther off is seen.
 const SEEN_STANCE: f64 = 0.12;
 
@@ -67,6 +69,14 @@ impl Findings {
     fn ground(&self, notes: &mut Vec<String>) {
         if self.feet.slip_max_mm > 2.0 {
             notes.push(format!("a planted foot slips {:.1} mm", self.feet.slip_max_mm));
+        }
+        let far = |scuff: &&(Scuff, f64)| scuff.1 > SEEN_SLIDE * self.leg_scale;
+        for (scuff, slid) in self.scuffs.iter().filter(far) {
+            notes.push(format!(
+                "the {} foot slides {slid:.0} mm over the ground from {:.2} s on",
+                scuff.side.name(),
+                scuff.start
+            ));
         }
         if self.feet.penetration_max_mm > 5.0 {
             notes.push(format!(

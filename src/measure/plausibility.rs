@@ -13,8 +13,9 @@ use super::moving::{Moving, kept_up};
 use super::outcome::{Balance, balance, speed_ratio};
 use super::residual::{Units, residual};
 use super::score::score;
+use super::scuff::{Scuff, grounded, slides};
 use super::stance::{EndStance, end_stance};
-use super::support::{Support, support};
+use super::support::{SMEARED, Support, support};
 use super::zmp::{self, ZmpFindings};
 use super::{HeldContact, KnownPush, Motion, Track};
 use crate::model::{Load, Terrain, report::Plausibility};
@@ -30,8 +31,10 @@ pub struct Findings {
     pub zmp: ZmpFindings,
     /// How near the legs come.
     pub legs: Legs,
-    /// Time without contact, until it has fallen.
+    /// Time in the air (neither foot in contact nor scuffing over the ground), until it has fallen.
     pub hover: Hover,
+    /// Feet that scuff, and how far each slides, mm.
+    pub scuffs: Vec<(Scuff, f64)>,
     /// How it ends.
     pub balance: Balance,
     /// How it stands at the end; `None` for who walks, turns or has fallen there.
@@ -92,10 +95,9 @@ pub struct Setting<'a> {
     pub loads: &'a [Load],
     /// m, the deepest crouch that is meant.
     pub crouched: f64,
+    /// When a foot bears without holding still.
+    pub scuffs: &'a [Scuff],
 }
-
-/// s, how far the filter of the forces (7 Hz, zero lag: 1 / 2πf to each side is 0.023 s) spreads a blow, and a sample on.
-const SMEARED: f64 = 0.03;
 
 /// The same of a body that carries something or crouches.
 pub fn measure_in(
@@ -105,6 +107,7 @@ pub fn measure_in(
     pushes: &[KnownPush],
 ) -> Option<Findings> {
     let track = Track::over(motion, setting.terrain)?.carrying(setting.loads).crouching(setting.crouched);
+    let track = track.scuffing(setting.scuffs);
     Some(measure_track(&track, contacts, pushes, setting.terrain.friction))
 }
 
@@ -137,12 +140,14 @@ fn measure_track(track: &Track, contacts: &[HeldContact], pushes: &[KnownPush], 
     };
     let balance = balance(track, &dynamics, &supports, contacts, pushes, None);
     let end = motion.time(track.len() - 1);
+    let on_ground: Vec<HeldContact> = contacts.iter().copied().chain(grounded(track, track.scuffs)).collect();
     Findings {
         feet: feet(track, contacts),
         joints: joints(track),
         zmp: zmp::findings(&motion, &dynamics, &distances),
         legs: legs(track),
-        hover: hover(contacts, balance.fallen.unwrap_or(end)),
+        scuffs: slides(track, track.scuffs),
+        hover: hover(&on_ground, balance.fallen.unwrap_or(end)),
         end_stance: if balance.fallen.is_none() { end_stance(track) } else { None },
         falls: balance.fallen.is_some(),
         given: false,
@@ -182,6 +187,7 @@ impl Findings {
             residual_force: self.residual_force,
             residual_moment: self.residual_moment,
             slip_max_mm: self.feet.slip_max_mm,
+            scuff_max_mm: self.scuffs.iter().map(|scuff| scuff.1).fold(0.0, f64::max),
             penetration_max_mm: self.feet.penetration_max_mm,
             peak_ankle_speed: self.feet.peak_ankle_speed,
             speed_ratio: self.speed_ratio.unwrap_or(0.0),

@@ -17,7 +17,7 @@ pub const LEGS_APART: f64 = 0.125;
 /// mm at the reference leg, how far from side by side feet may stand: people's own stands differ by as much (their heels
 /// are 17 cm apart at the mean and the feet 14 degrees, McIlroy and Maki 1997), and the style dial spreads them so far.
 const EASY_STANCE: f64 = 60.0;
-/// Weights of the ten measures of balance, forces and feet together.
+/// Weights of the first ten measures of balance, forces and feet together.
 const WHOLE: f64 = 14.0;
 
 /// (weight, how far off, where it is half as good).
@@ -37,7 +37,7 @@ pub fn score(report: &Plausibility, friction: f64, given: bool) -> f64 {
 }
 
 /// Balance, forces and feet; balance and forces count twice.
-fn forces(report: &Plausibility, friction: f64) -> [Term; 10] {
+fn forces(report: &Plausibility, friction: f64) -> [Term; 11] {
     let ratio = report.speed_ratio;
     let speed = if ratio == 0.0 { 0.0 } else { (ratio - 1.1).max(0.6 - ratio).max(0.0) };
     [
@@ -48,6 +48,7 @@ fn forces(report: &Plausibility, friction: f64) -> [Term; 10] {
         (1.0, (report.friction_p99 - friction).max(0.0), 0.3),
         (1.0, (0.1 - report.vertical_min).max(0.0), 0.3), // a body that stands never gets near weightless
         (1.0, report.slip_max_mm, 20.0),                  // viewers notice 21 mm (Prazak 2011)
+        (1.0, report.scuff_max_mm, 40.0),                 // the same of a foot that nobody expects to stand
         (1.0, report.penetration_max_mm, 30.0),
         (1.0, (report.peak_ankle_speed - ANKLE_SPEED).max(0.0), 4.0),
         (1.0, speed, 0.4),
@@ -91,7 +92,8 @@ mod tests {
     fn the_score_falls_with_every_measure_that_gets_worse() {
         let good = good();
         assert!((score(&good, 1.0, false) - 1.0).abs() < 1e-12);
-        let worse: [fn(&mut Plausibility, f64); 16] = [
+        let worse: [fn(&mut Plausibility, f64); 17] = [
+            |p, x| p.scuff_max_mm = 10.0 * x,
             |p, x| p.zmp_inside -= 0.1 * x,
             |p, x| p.zmp_outside_p95_cm += x,
             |p, x| p.residual_force += 0.1 * x,

@@ -4,6 +4,7 @@
 //! of it. Sole vertices are taken at the pose and projected onto the contact's plane along its normal, so that a sole
 //! that hovers or sinks by a hair supports as the contact claims; `feet` says by how much it does.
 
+use super::scuff::{Scuff, Touching, touching};
 use super::{HeldContact, Track};
 use crate::maths::hull::{closest_point, convex_hull, signed_distance};
 use crate::model::{Body, FootShape, Side, report::Part};
@@ -14,6 +15,9 @@ use glam::{DVec2, DVec3, dvec3};
 const SAME_PLANE_ANGLE: f64 = 0.035;
 /// m.
 const SAME_PLANE_GAP: f64 = 0.01;
+
+/// s, how far the filter of the forces (7 Hz, zero lag: 1 / 2πf to each side is 0.023 s) spreads a blow, and a sample on.
+pub const SMEARED: f64 = 0.03;
 
 /// The support of one sample.
 #[derive(Clone, Debug)]
@@ -38,22 +42,27 @@ pub fn support(track: &Track, contacts: &[HeldContact], sample: usize) -> Option
     let holds = |contact: &&HeldContact| contact.start - 1e-6 <= time && time <= contact.end + 1e-6;
     let holding: Vec<HeldContact> =
         contacts.iter().filter(holds).map(|contact| track.placed(contact, sample)).collect();
-    let first = *holding.first()?;
-    let normal = holding.iter().map(|contact| contact.normal).sum::<DVec3>().normalize_or(first.normal);
-    let level = holding.iter().all(|contact| {
+    let scuffs = touching_then(track, &holding, time, sample);
+    let planes: Vec<HeldContact> = holding.iter().chain(scuffs.iter().map(|scuff| &scuff.plane)).copied().collect();
+    let first = *planes.first()?;
+    let normal = planes.iter().map(|contact| contact.normal).sum::<DVec3>().normalize_or(first.normal);
+    let level = planes.iter().all(|contact| {
         contact.normal.angle_between(first.normal) <= SAME_PLANE_ANGLE
             && first.height(contact.point).abs() <= SAME_PLANE_GAP
     });
     let axes = plane_axes(normal);
     // Planes that differ meet halfway: what is seen of them together (the hull) lies at their mean height.
-    let height = holding.iter().map(|contact| contact.point.dot(normal)).sum::<f64>() / holding.len() as f64;
+    let height = planes.iter().map(|contact| contact.point.dot(normal)).sum::<f64>() / planes.len() as f64;
     let origin = normal * if level { first.point.dot(normal) } else { height };
     let mut support = Support { origin, normal, axes, hull: Vec::new(), corners: Vec::new(), level };
     let mut points: Vec<DVec3> = Vec::new();
     let mut flat: Vec<DVec2> = Vec::new();
-    for contact in &holding {
+    for (index, contact) in planes.iter().enumerate() {
         points.clear();
-        part_points(track, sample, contact.side, contact.part, &mut points);
+        match index.checked_sub(holding.len()) {
+            Some(scuff) => points.extend_from_slice(&scuffs[scuff].points),
+            None => part_points(track, sample, contact.side, contact.part, &mut points),
+        }
         if level {
             flat.extend(points.iter().map(|point| support.on_plane(*point)));
         } else {
@@ -71,6 +80,16 @@ pub fn support(track: &Track, contacts: &[HeldContact], sample: usize) -> Option
         support.corners = thinned(&support.hull).map(|at| (support.in_space(at), normal)).collect();
     }
     Some(support)
+}
+
+/// What of the feet that scuff then, and hold nothing, touches the ground.
+fn touching_then(track: &Track, holding: &[HeldContact], time: f64, sample: usize) -> Vec<Touching> {
+    let scuffs = |side: Side| {
+        let held = holding.iter().any(|contact| contact.side == side);
+        let within = |scuff: &Scuff| scuff.side == side && scuff.start - SMEARED <= time && time <= scuff.end + SMEARED;
+        !held && track.scuffs.iter().any(within)
+    };
+    Side::BOTH.into_iter().filter(|side| scuffs(*side)).filter_map(|side| touching(track, side, sample)).collect()
 }
 
 /// The hull alone: (x, z) on level ground; empty in flight.

@@ -21,6 +21,14 @@ impl Side {
     /// Left, then right.
     pub const BOTH: [Side; 2] = [Side::Left, Side::Right];
 
+    /// For a person.
+    pub fn name(self) -> &'static str {
+        match self {
+            Side::Left => "left",
+            Side::Right => "right",
+        }
+    }
+
     /// The other one.
     pub fn other(self) -> Side {
         match self {

@@ -21,6 +21,9 @@ pub struct ClipReport {
     pub steps: u32,
     pub body: BodyReport,
     pub contacts: Vec<Contact>,
+    /// Of a ragdoll's clip: when a foot is on the ground and does not hold still.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub scuffs: Vec<Scuff>,
     pub events: Vec<Event>,
     pub disturbances: Vec<Disturbance>,
     pub assist: Assist,
@@ -125,6 +128,19 @@ pub struct Contact {
     pub slip_mm: f64,
 }
 
+/// A foot that is on the ground and does not hold still: it slides, or rolls on the tip or the edge of its sole.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scuff {
+    /// Which foot.
+    pub foot: Side,
+    /// s.
+    pub start: f64,
+    /// s.
+    pub end: f64,
+    /// mm, how far what touches slides over the ground.
+    pub slid_mm: f64,
+}
+
 /// A moment worth a name: foot_down foot_up push_start push_end ball_hit balance_lost balance_regained.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "plain")]
@@ -211,13 +227,16 @@ pub struct Plausibility {
     pub residual_moment: f64,
     /// mm.
     pub slip_max_mm: f64,
+    /// mm, the farthest that a foot slides that bears and holds nothing.
+    #[serde(default)]
+    pub scuff_max_mm: f64,
     /// mm.
     pub penetration_max_mm: f64,
     /// m/s.
     pub peak_ankle_speed: f64,
     /// Peak change of the centre of mass's speed along the push over impulse / mass; 0 without a push.
     pub speed_ratio: f64,
-    /// s, in which neither foot is in contact while it has not fallen.
+    /// s in the air: neither foot in contact nor scuffing over the ground, while it has not fallen.
     #[serde(default)]
     pub hover_s: f64,
     /// s, the longest of them at a stretch.

@@ -4,9 +4,9 @@
 //! turns about. One that goes on creeping is cut where it has gone too far from where it was held; one that slides holds nothing.
 
 use super::Run;
-use super::hold::{Hold, point_of};
+use super::hold::{Held, Hold, point_of};
 use super::leg::Foot;
-use crate::measure::GRAVITY;
+use crate::measure::{GRAVITY, Scuff};
 use crate::model::{BodyPose, Plant, Side, report::Part};
 use crate::sim::PRESSED;
 use glam::{DQuat, DVec2, DVec3};
@@ -370,6 +370,29 @@ impl Extent {
     fn turned(&self) -> f64 {
         0.5 * (2..4).map(|place| (self.high[place] - self.low[place]).length()).fold(0.0, f64::max)
     }
+}
+
+/// When the ground presses on a foot that holds nothing, up to a tick; in order of start, left before right.
+pub(super) fn scuffs(run: &Run, held: &[Held; 2], last: usize) -> Vec<Scuff> {
+    let least = PRESSED * run.body.mass * GRAVITY * run.dt;
+    let mut scuffs = Vec::new();
+    for side in Side::BOTH {
+        let holds = |index: usize| held[side as usize].holding(index as f64 * run.dt).is_some();
+        let presses = |index: usize| run.pressed.get(index).is_some_and(|pressed| pressed[side as usize] > least);
+        let mut open: Option<Scuff> = None;
+        // What pressed by a tick pressed in the time before it.
+        for index in 1..=last {
+            let (before, now) = ((index - 1) as f64 * run.dt, index as f64 * run.dt);
+            if presses(index) && !(holds(index - 1) && holds(index)) {
+                open.get_or_insert(Scuff { side, start: before, end: now }).end = now;
+            } else {
+                scuffs.extend(open.take());
+            }
+        }
+        scuffs.extend(open);
+    }
+    scuffs.sort_by(|a, b| a.start.total_cmp(&b.start).then(a.side.cmp(&b.side)));
+    scuffs
 }
 
 /// The spans without the ticks at which something is too far from the run, and without those within `around` of them.

@@ -13,6 +13,7 @@ pub mod perform;
 use super::contacts::FootContact;
 use crate::maths::curve::sample;
 use crate::maths::filter::zero_lag;
+use crate::measure::Scuff;
 use crate::model::{Body, BodyPose, Side, Terrain};
 use crate::whole_body::Anatomy;
 use glam::{DQuat, DVec3, DVec4};
@@ -55,6 +56,7 @@ pub struct Played {
     joints: Vec<usize>,
     held: [Held; 2],
     shift: Vec<DVec3>, // m, by which the body gives way to its held feet
+    scuffs: Vec<Scuff>,
 }
 
 impl Played {
@@ -69,6 +71,7 @@ impl Played {
             joints: run.joints.iter().copied().filter(animated).collect(),
             held: [none(), none()],
             shift: vec![DVec3::ZERO; stands + 1],
+            scuffs: Vec::new(),
         };
         let track = |side: Side| contacts::Track::new(run, &played.run[..=stands], side);
         let tracks = [track(Side::Left), track(Side::Right)];
@@ -90,6 +93,7 @@ impl Played {
             }
             spans = [0, 1].map(|side| contacts::cut(&spans[side], &beyond[side], 2 + 2 * round));
         }
+        played.scuffs = contacts::scuffs(run, &played.held, stands);
         played
     }
 
@@ -120,6 +124,11 @@ impl Played {
         let mut contacts: Vec<FootContact> = each.collect();
         contacts.sort_by(|a, b| a.start.total_cmp(&b.start).then(a.side.cmp(&b.side)));
         contacts
+    }
+
+    /// When a foot bears and holds nothing, in order of start, left before right.
+    pub fn scuffs(&self) -> &[Scuff] {
+        &self.scuffs
     }
 
     /// The joints that links turn about and nodes move.

@@ -67,6 +67,9 @@ fn in_take(report: &ClipReport, pace: f64, file_from_document: &DAffine3) -> Cli
         contact.position = (place / CENTIMETRES).to_array();
         contact.normal = file_from_document.transform_vector3(contact.normal.into()).normalize_or_zero().to_array();
     }
+    for scuff in &mut report.scuffs {
+        (scuff.start, scuff.end) = (scuff.start * pace, scuff.end * pace);
+    }
     for push in &mut report.disturbances {
         (push.start, push.end) = (push.start * pace, push.end * pace);
         let force = DVec3::from(push.force);

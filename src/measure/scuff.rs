@@ -1,0 +1,166 @@
+//! Scuffs: a foot that bears on the ground and does not hold still. It slides, or rolls on the tip or the edge of its sole.
+//!
+//! Scenario space, m, s. A contact is what an engine may lock; the ground carries a foot that scuffs as well, where its sole touches.
+//! From when to when a foot scuffs the motion says (a body's run knows what pressed on its feet); whether its sole touches then is
+//! measured, and so is how far it slides.
+
+use super::{Frame, HeldContact, Track};
+use crate::model::{Side, Terrain, report::Part};
+use glam::{DQuat, DVec2, DVec3};
+
+/// m at the reference leg: a point of the sole that is no higher over the ground touches it. The keys may have a foot off its run by as much.
+const TOUCHES: f64 = 0.005;
+
+/// A foot that bears and does not hold still, as the motion says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scuff {
+    /// Which foot.
+    pub side: Side,
+    /// s.
+    pub start: f64,
+    /// s.
+    pub end: f64,
+}
+
+/// What of a sole touches the ground at a sample: the plane there, and the points.
+#[derive(Clone, Debug)]
+pub struct Touching {
+    /// A point of the ground and its normal, in the world.
+    pub plane: HeldContact,
+    /// m.
+    pub points: Vec<DVec3>,
+}
+
+/// What of a foot's sole touches the ground at a sample; `None` where it is in the air or the ground is not known.
+pub fn touching(track: &Track, side: Side, sample: usize) -> Option<Touching> {
+    let time = track.motion.time(sample);
+    let ground = track.terrain.as_ref()?.held_at(time);
+    let mut points = Vec::new();
+    sole_points(track, sample, side, &mut points);
+    let over = |point: &DVec3| height(&ground, *point);
+    let lowest = points.iter().copied().min_by(|a, b| over(a).total_cmp(&over(b)))?;
+    let least = TOUCHES * track.motion.body.leg_length / 0.83;
+    if over(&lowest) > least {
+        return None;
+    }
+    points.retain(|point| over(point) <= least);
+    let spot = ground.spot(DVec2::new(lowest.x, lowest.z));
+    let plane = HeldContact {
+        side,
+        part: Part::Flat,
+        start: time,
+        end: time,
+        point: DVec3::new(lowest.x, spot.height, lowest.z),
+        normal: spot.normal,
+        frame: Frame::World,
+    };
+    Some(Touching { plane, points })
+}
+
+/// The sole's vertices at a sample, m, in the plane on which it lies when it stands flat: a bevel goes on turning to the tip as the
+/// support has it, whose hull reaches over the bevel too.
+fn sole_points(track: &Track, sample: usize, side: Side, out: &mut Vec<DVec3>) {
+    let body = track.motion.body;
+    let foot = &body.feet[side as usize];
+    let flat = |level: DQuat, offset: DVec3, height: f64| {
+        let levelled = level * offset;
+        level.inverse() * DVec3::new(levelled.x, -height, levelled.z)
+    };
+    let stiff = |offset: &DVec3| track.rigid_point(sample, foot.ankle, flat(foot.level, *offset, foot.ankle_height));
+    out.extend(foot.rear_sole.iter().map(stiff));
+    match foot.toe {
+        Some(toe) => {
+            let shift = body.joints[toe].rest - body.joints[foot.ankle].rest;
+            let over = foot.ankle_height + (foot.level * shift).y;
+            let bends = |offset: &DVec3| track.rigid_point(sample, toe, flat(foot.toe_level, *offset - shift, over));
+            out.extend(foot.front_sole.iter().map(bends));
+        }
+        None => out.extend(foot.front_sole.iter().map(stiff)),
+    }
+}
+
+/// m over the ground, along its normal.
+fn height(ground: &Terrain, point: DVec3) -> f64 {
+    let spot = ground.spot(DVec2::new(point.x, point.z));
+    (point.y - spot.height) * spot.normal.y
+}
+
+/// Each of them, and how far it slides, mm: the way over the ground of the lowest points of its sole, sample by sample.
+pub fn slides(track: &Track, scuffs: &[Scuff]) -> Vec<(Scuff, f64)> {
+    scuffs.iter().map(|scuff| (*scuff, 1000.0 * slide(track, scuff))).collect()
+}
+
+fn slide(track: &Track, scuff: &Scuff) -> f64 {
+    let samples = track.motion.samples_in(scuff.start, scuff.end);
+    let (mut here, mut next) = (Vec::new(), Vec::new());
+    let mut way = 0.0;
+    for sample in samples.clone().take(samples.len().saturating_sub(1)) {
+        let Some(terrain) = &track.terrain else { break };
+        here.clear();
+        next.clear();
+        sole_points(track, sample, scuff.side, &mut here);
+        sole_points(track, sample + 1, scuff.side, &mut next);
+        let (now, then) = (terrain.held_at(track.motion.time(sample)), terrain.held_at(track.motion.time(sample + 1)));
+        let lowest = (0..here.len().min(next.len())).min_by(|a, b| {
+            let over = |index: usize| height(&now, here[index]) + height(&then, next[index]);
+            over(*a).total_cmp(&over(*b))
+        });
+        let Some(lowest) = lowest else { continue };
+        let ground = terrain.turn(track.motion.time(sample + 1)) * terrain.turn(track.motion.time(sample)).inverse();
+        let moved = next[lowest] - ground * here[lowest];
+        let normal = now.spot(DVec2::new(here[lowest].x, here[lowest].z)).normal;
+        way += (moved - normal * moved.dot(normal)).length();
+    }
+    way
+}
+
+/// The spans of time in which a foot scuffs and touches, as contacts that nothing holds in: for what asks only whether it is on the ground.
+pub fn grounded(track: &Track, scuffs: &[Scuff]) -> Vec<HeldContact> {
+    let mut spans: Vec<HeldContact> = Vec::new();
+    let step = 1.0 / track.motion.hz;
+    for scuff in scuffs {
+        let mut last: Option<usize> = None;
+        for sample in track.motion.samples_in(scuff.start, scuff.end) {
+            let Some(found) = touching(track, scuff.side, sample) else { continue };
+            let time = track.motion.time(sample);
+            match spans.last_mut().filter(|_| last.is_some_and(|last| last + 1 == sample)) {
+                Some(span) => span.end = time + step,
+                None => spans.push(HeldContact { start: time - step, end: time + step, ..found.plane }),
+            }
+            last = Some(sample);
+        }
+    }
+    spans
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Motion, fixture, hover::hover};
+    use super::*;
+
+    /// A body that stands and slides forwards by 30 mm in its second second, over the ground by `over` m.
+    fn slid(over: f64) -> (crate::model::Body, Vec<crate::model::BodyPose>) {
+        let body = fixture::body();
+        let poses = fixture::poses(&body, 241, |pose, sample| {
+            pose.hips.y += over;
+            pose.hips.z += 0.03 * (sample / 120.0 - 1.0).clamp(0.0, 1.0);
+        });
+        (body, poses)
+    }
+
+    #[test]
+    fn a_foot_that_slides_30_mm_on_the_ground_is_said_to_and_one_over_it_does_not_touch() {
+        let scuff = Scuff { side: Side::Left, start: 1.0, end: 2.0 };
+        for (over, touches) in [(0.0, true), (0.004, true), (0.012, false)] {
+            let (body, poses) = slid(over);
+            let motion: Motion = fixture::motion(&body, &poses);
+            let track = Track::over(motion, &Terrain::flat()).expect("sound");
+            assert_eq!(touching(&track, Side::Left, 150).is_some(), touches, "{over}");
+            let found = slides(&track, &[scuff]);
+            assert!((found[0].1 - 30.0).abs() < 0.5, "{found:?}");
+            let spans = grounded(&track, &[scuff]);
+            let all = hover(&spans, 2.0).total;
+            assert!(if touches { (all - 1.0).abs() < 0.02 } else { all == 2.0 }, "{over}: {all} s in the air");
+        }
+    }
+}
