@@ -130,7 +130,7 @@ impl Rows {
             let most = self.rows[index].impulse * self.rows[index].friction;
             let (a, b) =
                 (self.rows[index + 1].next(tree, sum, &self.loose), self.rows[index + 2].next(tree, sum, &self.loose));
-            let size = a.hypot(b);
+            let size = (a * a + b * b).sqrt();
             let share = if size > most { most / size } else { 1.0 };
             moved = moved.max(self.give(tree, sum, index + 1, a * share));
             moved = moved.max(self.give(tree, sum, index + 2, b * share));

@@ -94,9 +94,10 @@ impl Controller {
                 let tilt = up.cross(spot.normal);
                 // A sole that came off goes back down; a tilted one turns about where it stands.
                 let mut over = [(DVec3::ZERO, f64::INFINITY); POINTS];
-                for (over, corner) in over.iter_mut().zip(figure.stiff_sole(side)) {
-                    let at = state.origin + state.turn * *corner;
-                    *over = (at, at.y - terrain.spot(flat(at)).height);
+                for (index, (over, corner)) in over.iter_mut().zip(figure.stiff_sole(side)).enumerate() {
+                    let at = figure.carried(&self.states, side, index, *corner);
+                    *over =
+                        (figure.pivot(&self.states, side, index).unwrap_or(at), at.y - terrain.spot(flat(at)).height);
                 }
                 let low = over.iter().map(|(_, height)| *height).fold(f64::INFINITY, f64::min);
                 let bearing = |height: f64| (1.0 - (height - low) / (0.01 * self.size)).max(0.0);
