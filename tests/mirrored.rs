@@ -139,6 +139,55 @@ fn rigs_that_nobody_here_made_do_in_the_mirror_what_they_do() {
     }
 }
 
+#[test]
+fn a_scenario_and_its_image_are_played_as_one() {
+    let body = builtin().body;
+    let of = |ways: &[f64]| {
+        let push = ways.iter().map(|way| shove(&body, *way, 50.0)).collect();
+        Scenario { push, ..Scenario::default() }
+    };
+    for (one, other) in [
+        (of(&[30.0]), of(&[330.0])),
+        (of(&[-150.0]), of(&[150.0])),
+        // At once: the first in the file counts.
+        (of(&[40.0, 300.0]), of(&[320.0, 60.0])),
+        // What is straight is the same in the mirror.
+        (of(&[180.0, 90.0]), of(&[-180.0, -90.0])),
+    ] {
+        let ((one, turned), (other, returned)) = (one.to_the_left(), other.to_the_left());
+        assert!(one == other && turned != returned, "{:?} and {:?}", one.push, other.push);
+    }
+    assert!(!of(&[0.0]).to_the_left().1 && !of(&[180.0]).to_the_left().1 && !of(&[]).to_the_left().1);
+    // Rolling ground has no image that a scenario could name.
+    let kind = GroundKind::Uneven { height: 0.05, wavelength: 2.0, seed: 1 };
+    assert!(!Scenario { ground: Ground { kind, friction: 1.0 }, ..of(&[270.0]) }.to_the_left().1);
+}
+
+#[test]
+fn a_body_that_is_seen_twice_in_the_mirror_is_itself() {
+    let mut body = builtin().body;
+    assert!(body.is_alike(&body.mirrored().0), "the built-in rig is the same on both sides");
+    // A shorter arm, a heavier foot, and a thumb without a twin.
+    for (role, by) in [(Role::LeftLowerArm, 0.03), (Role::LeftThumbProximal, 0.0)] {
+        let joint = body.joint(role).expect("it has one");
+        body.joints[joint].rest.x -= by;
+    }
+    let thumb = body.joint(Role::RightThumbProximal).expect("it has one");
+    body.joints[thumb].role = Role::Jaw;
+    let (image, twins) = body.mirrored();
+    assert!(!body.is_alike(&image));
+    assert!((0..twins.len()).all(|joint| twins[twins[joint]] == joint), "{twins:?}");
+    let before = |(index, joint): (usize, &surefoot::model::BodyJoint)| joint.parent.is_none_or(|up| up < index);
+    assert!(image.joints.iter().enumerate().all(before), "parents before children");
+    let again = image.mirrored().0;
+    assert!(again.is_alike(&body));
+    for (one, other) in again.segments.iter().zip(&body.segments) {
+        assert!(
+            (one.joint, one.mass, one.centre, one.inertia) == (other.joint, other.mass, other.centre, other.inertia)
+        );
+    }
+}
+
 /// A body that is heavier and longer on one side is another one in the mirror: what comes back must be its own motion.
 #[test]
 fn a_lopsided_body_moves_as_its_own_masses_and_bones_do() {
