@@ -117,6 +117,7 @@ fn whatever_else_goes_to_a_side_goes_to_the_other_in_the_mirror() {
         ("a walk to the side", turning(0.6), turning(-0.6)),
         ("a shoulder", arm(Role::LeftUpperArm), arm(Role::RightUpperArm)),
         ("a vector", vector(0.7), vector(-0.7)),
+        ("a fall", shoved(body, 80.0, 400.0), shoved(body, 280.0, 400.0)),
     ];
     both.par_iter().for_each(|(what, one, other)| are_images(&rig, what, one, other));
 }
@@ -126,6 +127,8 @@ fn rigs_that_nobody_here_made_do_in_the_mirror_what_they_do() {
     let Some(folder) = data::folder() else { return };
     for name in ["m2m_human_male.glb", "kaykit_Knight.glb"] {
         let rig = load(&folder.join("rigs").join(name)).expect("a rig");
+        let alike = rig.body.is_alike(&rig.body.mirrored().0) && twins(&rig.body).is_some();
+        println!("{name}: {}", if alike { "the same on both sides" } else { "its sides differ" });
         let all: Vec<(f64, f64)> =
             [45.0, 90.0, 135.0].iter().flat_map(|way| [60.0, 120.0].map(|size| (*way, size))).collect();
         all.par_iter().for_each(|(way, size)| {
@@ -135,6 +138,11 @@ fn rigs_that_nobody_here_made_do_in_the_mirror_what_they_do() {
             println!("{what}: {:?}", steps(&one, false));
             assert_eq!(one.report.outcome, other.report.outcome, "{what}");
             assert_eq!(steps(&one, false), steps(&other, true), "{what}");
+            if alike {
+                let off = off(&rig, &one, &other);
+                println!("{what}: {off:.2e} m");
+                assert!(off < 1e-5, "{what}: {off} m");
+            }
         });
     }
 }
