@@ -117,6 +117,7 @@ fn whatever_else_goes_to_a_side_goes_to_the_other_in_the_mirror() {
         ("a walk to the side", turning(0.6), turning(-0.6)),
         ("a shoulder", arm(Role::LeftUpperArm), arm(Role::RightUpperArm)),
         ("a vector", vector(0.7), vector(-0.7)),
+        ("a fall", shoved(body, 80.0, 400.0), shoved(body, 280.0, 400.0)),
     ];
     both.par_iter().for_each(|(what, one, other)| are_images(&rig, what, one, other));
 }
@@ -126,6 +127,8 @@ fn rigs_that_nobody_here_made_do_in_the_mirror_what_they_do() {
     let Some(folder) = data::folder() else { return };
     for name in ["m2m_human_male.glb", "kaykit_Knight.glb"] {
         let rig = load(&folder.join("rigs").join(name)).expect("a rig");
+        let alike = rig.body.is_alike(&rig.body.mirrored().0) && twins(&rig.body).is_some();
+        println!("{name}: {}", if alike { "the same on both sides" } else { "its sides differ" });
         let all: Vec<(f64, f64)> =
             [45.0, 90.0, 135.0].iter().flat_map(|way| [60.0, 120.0].map(|size| (*way, size))).collect();
         all.par_iter().for_each(|(way, size)| {
@@ -135,7 +138,61 @@ fn rigs_that_nobody_here_made_do_in_the_mirror_what_they_do() {
             println!("{what}: {:?}", steps(&one, false));
             assert_eq!(one.report.outcome, other.report.outcome, "{what}");
             assert_eq!(steps(&one, false), steps(&other, true), "{what}");
+            if alike {
+                let off = off(&rig, &one, &other);
+                println!("{what}: {off:.2e} m");
+                assert!(off < 1e-5, "{what}: {off} m");
+            }
         });
+    }
+}
+
+#[test]
+fn a_scenario_and_its_image_are_played_as_one() {
+    let body = builtin().body;
+    let of = |ways: &[f64]| {
+        let push = ways.iter().map(|way| shove(&body, *way, 50.0)).collect();
+        Scenario { push, ..Scenario::default() }
+    };
+    for (one, other) in [
+        (of(&[30.0]), of(&[330.0])),
+        (of(&[-150.0]), of(&[150.0])),
+        // At once: the first in the file counts.
+        (of(&[40.0, 300.0]), of(&[320.0, 60.0])),
+        // What is straight is the same in the mirror.
+        (of(&[180.0, 90.0]), of(&[-180.0, -90.0])),
+    ] {
+        let ((one, turned), (other, returned)) = (one.to_the_left(), other.to_the_left());
+        assert!(one == other && turned != returned, "{:?} and {:?}", one.push, other.push);
+    }
+    assert!(!of(&[0.0]).to_the_left().1 && !of(&[180.0]).to_the_left().1 && !of(&[]).to_the_left().1);
+    // Rolling ground has no image that a scenario could name.
+    let kind = GroundKind::Uneven { height: 0.05, wavelength: 2.0, seed: 1 };
+    assert!(!Scenario { ground: Ground { kind, friction: 1.0 }, ..of(&[270.0]) }.to_the_left().1);
+}
+
+#[test]
+fn a_body_that_is_seen_twice_in_the_mirror_is_itself() {
+    let mut body = builtin().body;
+    assert!(body.is_alike(&body.mirrored().0), "the built-in rig is the same on both sides");
+    // A shorter arm, a heavier foot, and a thumb without a twin.
+    for (role, by) in [(Role::LeftLowerArm, 0.03), (Role::LeftThumbProximal, 0.0)] {
+        let joint = body.joint(role).expect("it has one");
+        body.joints[joint].rest.x -= by;
+    }
+    let thumb = body.joint(Role::RightThumbProximal).expect("it has one");
+    body.joints[thumb].role = Role::Jaw;
+    let (image, twins) = body.mirrored();
+    assert!(!body.is_alike(&image));
+    assert!((0..twins.len()).all(|joint| twins[twins[joint]] == joint), "{twins:?}");
+    let before = |(index, joint): (usize, &surefoot::model::BodyJoint)| joint.parent.is_none_or(|up| up < index);
+    assert!(image.joints.iter().enumerate().all(before), "parents before children");
+    let again = image.mirrored().0;
+    assert!(again.is_alike(&body));
+    for (one, other) in again.segments.iter().zip(&body.segments) {
+        assert!(
+            (one.joint, one.mass, one.centre, one.inertia) == (other.joint, other.mass, other.centre, other.inertia)
+        );
     }
 }
 
