@@ -47,6 +47,7 @@ pub fn report(clip: &Clip) -> ClipReport {
         steps: 2,
         body: BodyReport { mass: 70.0, height: 1.7 },
         contacts: Vec::new(),
+        scuffs: Vec::new(),
         events: vec![Event { time: 1.0 / 3.0, name: "push_start".into(), foot: None, bone: None, impulse: None }],
         disturbances: Vec::new(),
         assist: Assist::default(),
