@@ -446,12 +446,9 @@ impl Controller {
         let parts = world.parts as f64;
         let late = dt * (parts + 1.0) / (2.0 * parts);
         let far = dt * dt * (parts + 1.0) * (parts + 2.0) / (6.0 * parts * parts);
-        for index in 1..figure.links.len() {
+        toes::drive(figure, world, &self.states, &self.toes);
+        for index in (1..figure.links.len()).filter(|index| figure.bears(*index) == *index) {
             let link = &figure.links[index];
-            if let Part::Toes(side) = link.part {
-                toes::drive(figure, world, &self.states, index, self.toes[side as usize]);
-                continue;
-            }
             let parent = link.parent.unwrap_or(0);
             let back = self.states[parent].turn.inverse();
             let [stiffness, damping] = self.stands_by(link);

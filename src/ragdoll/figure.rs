@@ -297,22 +297,11 @@ impl<'a> Maker<'a> {
         Freedom::Hinge { axis, range: [-bent, most.to_radians() - bent] }
     }
 
-    fn finish(
-        mut self,
-        legs: [[usize; 3]; 2],
-        toes: [Option<(usize, toes::Bend)>; 2],
-        arms: [[usize; 2]; 2],
-    ) -> Figure {
+    fn finish(mut self, legs: [[usize; 3]; 2], toes: toes::Bends, arms: [[usize; 2]; 2]) -> Figure {
         let link_of: Vec<usize> = (0..self.body.joints.len()).map(|joint| self.owner(joint)).collect();
         self.gather_masses(&link_of);
         self.shape(&link_of);
-        for (toes, [.., foot]) in toes.iter().zip(legs) {
-            if let Some((toes, bend)) = toes
-                && let Ok([foot, toes]) = self.links.get_disjoint_mut([foot, *toes])
-            {
-                toes::divide(bend, foot, toes);
-            }
-        }
+        toes::divide(&mut self.links, &legs, &toes);
         self.carry();
         let soles = Side::BOTH.map(|side| {
             let shape = &self.body.feet[side as usize];

@@ -45,6 +45,9 @@ pub(super) struct Bend {
     weighed: bool,   // the toes have a mass of their own
 }
 
+/// The toes' links of both feet, and how these bend.
+pub(super) type Bends = [Option<(usize, Bend)>; 2];
+
 /// Where the foot of a body that stands so bends, if it does.
 pub(super) fn bend(body: &Body, positions: &[DVec3], turns: &[DQuat], side: Side) -> Option<Bend> {
     let shape = &body.feet[side as usize];
@@ -69,8 +72,19 @@ pub(super) fn bend(body: &Body, positions: &[DVec3], turns: &[DQuat], side: Side
     (along && within && long.is_finite() && axis.length() > 0.5).then_some(bend)
 }
 
+/// Takes the toes from the feet.
+pub(super) fn divide(links: &mut [Link], legs: &[[usize; 3]; 2], bends: &Bends) {
+    for (bend, [.., foot]) in bends.iter().zip(legs) {
+        if let Some((toes, bend)) = bend
+            && let Ok([foot, toes]) = links.get_disjoint_mut([*foot, *toes])
+        {
+            take(bend, foot, toes);
+        }
+    }
+}
+
 /// Takes the toes from a foot: its box ends at their joint, theirs begins there.
-pub(super) fn divide(bend: &Bend, foot: &mut Link, toes: &mut Link) {
+fn take(bend: &Bend, foot: &mut Link, toes: &mut Link) {
     let [heel, joint, tip] = bend.span;
     let long = tip - joint;
     foot.half.z = 0.5 * (joint - heel);
@@ -191,18 +205,21 @@ pub(super) fn asked(
     [about(true), about(false)]
 }
 
-/// The joint of the toes of a foot for the coming tick: its spring and damper, and what it is to give beyond so that the tip bears as is
-/// planned. `front` and `rear`: N m about the hinge (extending) of the planned forces ahead of it and behind it.
-pub(super) fn drive(figure: &Figure, world: &mut World, states: &[LinkState], link: usize, [front, rear]: [f64; 2]) {
-    let Freedom::Hinge { axis, .. } = figure.links[link].freedom else { return };
-    let parent = figure.links[link].parent.unwrap_or(0);
-    let angle = super::short(states[parent].turn.inverse() * states[link].turn).dot(axis);
-    let [stiffness, damping] = figure.toe_spring();
-    // Under a flat foot forces at heel and tip are as good as some at the ball.
-    let wanted = front - SPARED * front.min(-rear).max(0.0);
-    let more = (wanted - stiffness * angle.max(0.0)).max(0.0);
-    let ahead = axis * (-angle - more / stiffness.max(1e-9));
-    world.drive(link, DVec3::splat(stiffness), DVec3::splat(damping), ahead);
+/// The joints of the toes for the coming tick: their springs and dampers, and what they are to give beyond so that the tips bear as is
+/// planned. `asked`: N m about each hinge (extending) of the planned forces ahead of it and behind it.
+pub(super) fn drive(figure: &Figure, world: &mut World, states: &[LinkState], asked: &[[f64; 2]; 2]) {
+    for (toes, [front, rear]) in figure.toes.iter().zip(asked) {
+        let Some(link) = *toes else { continue };
+        let Freedom::Hinge { axis, .. } = figure.links[link].freedom else { continue };
+        let parent = figure.links[link].parent.unwrap_or(0);
+        let angle = super::short(states[parent].turn.inverse() * states[link].turn).dot(axis);
+        let [stiffness, damping] = figure.toe_spring();
+        // Under a flat foot forces at heel and tip are as good as some at the ball.
+        let wanted = front - SPARED * front.min(-rear).max(0.0);
+        let more = (wanted - stiffness * angle.max(0.0)).max(0.0);
+        let ahead = axis * (-angle - more / stiffness.max(1e-9));
+        world.drive(link, DVec3::splat(stiffness), DVec3::splat(damping), ahead);
+    }
 }
 
 #[cfg(test)]
