@@ -12,12 +12,24 @@ use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
 
 impl Controller {
+    /// m, around the soles of the feet that stand, (x, z).
     pub(super) fn hull(&self, figure: &Figure) -> Vec<DVec2> {
+        self.hull_of(figure, f64::INFINITY)
+    }
+
+    /// m, around what of them can bear, (x, z).
+    pub(super) fn bearing_hull(&self, figure: &Figure) -> Vec<DVec2> {
+        self.hull_of(figure, self.tuning.lifted[0] * self.size)
+    }
+
+    fn hull_of(&self, figure: &Figure, most: f64) -> Vec<DVec2> {
         let mut points = Vec::with_capacity(8);
         for side in Side::BOTH {
             if self.swing.is_none_or(|swing| swing.side != side) {
                 let state = &self.motion.states[figure.legs[side as usize][2]];
-                points.extend(figure.soles[side as usize].map(|corner| flat(state.origin + state.turn * corner)));
+                let corners = figure.soles[side as usize].iter().zip(self.soles[side as usize].lifted);
+                let bearing = corners.filter(|(_, lifted)| *lifted < most);
+                points.extend(bearing.map(|(corner, _)| flat(state.origin + state.turn * *corner)));
             }
         }
         convex_hull(&points)
