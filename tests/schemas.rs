@@ -13,8 +13,8 @@ use surefoot::correct::{Done, told};
 use surefoot::mocap::Options;
 use surefoot::model::findings::{Abstained, ClipFlag, Findings, Flag, FootContact, Rule, StepVerdict};
 use surefoot::model::report::{
-    Assist, BaseReport, BodyReport, ClipReport, Contact, Disturbance, Drift, Event, JointTorque, Scuff, LoopReport, Outcome,
-    Part, Plausibility, Search,
+    Assist, BaseReport, BodyReport, ClipReport, Contact, Disturbance, Drift, Event, JointTorque, LoopReport, Outcome,
+    Part, Plausibility, Scuff, Search,
 };
 use surefoot::model::{Capture, Side};
 

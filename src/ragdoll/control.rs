@@ -4,10 +4,11 @@
 //! that the soles can give fix the pelvis's acceleration; inverse dynamics turns it all into joint torques, given to the
 //! world as springs whose rests meet them at the end of the tick, so that what is not foreseen is resisted.
 
-use super::dynamics::{Acceleration, LegMap, Motion, Wrench};
+use super::dynamics::{Acceleration, LegMap, Motion};
 use super::figure::{Figure, Freedom, Link, Part};
 use super::forces::{Forces, Wanted};
 use super::linear::{Factored, Matrix6};
+use super::reach::Sole;
 use super::swing::Reference;
 use super::toes;
 use super::tuning::Tuning;
@@ -117,6 +118,7 @@ pub struct Controller {
     pub(super) stopped: Vec<DVec3>,
     pub(super) aimed: f64,
     pub(super) leaving: Option<(Side, usize)>,
+    pub(super) soles: [Sole; 2],
     pub(super) slants: [DVec2; 2], // m, from the ground point of a foot to under its ankle: none on level ground
     /// Where it is to walk.
     pub order: Option<Order>,
@@ -144,6 +146,7 @@ impl Controller {
             stand_height: motion.com.y,
             pelvis_height: states[0].origin.y,
             leaving: None,
+            soles: [Sole::default(); 2],
             slants: [DVec2::ZERO; 2],
             order: None,
             gait: Gait::default(),
@@ -206,6 +209,7 @@ impl Controller {
         self.observe(dt);
         self.strain(world);
         self.slants = Side::BOTH.map(|side| slant(figure, terrain, flat(self.foot(figure, side).0)));
+        self.soles = Side::BOTH.map(|side| self.sole(figure, terrain, side));
         let floor = self.floor(figure, terrain);
         let height = (self.motion.com.y - floor).max(0.3 * self.stand_height);
         let rate = (GRAVITY / height).sqrt();
@@ -254,7 +258,7 @@ impl Controller {
         let mass = self.motion.mass;
         let moving = self.swing.is_some();
         // Where the pressure should be.
-        let hull = self.hull(figure);
+        let hull = self.bearing_hull(figure);
         let middle = self.support_middle(figure);
         let fast = (flat(self.motion.velocity).length() / self.size.sqrt() - 0.8).clamp(0.0, 1.0);
         if self.swing.is_some_and(|swing| !swing.comfort) || signed_distance(&hull, xi) > -0.02 * self.size {
@@ -319,9 +323,13 @@ impl Controller {
         for side in Side::BOTH {
             if self.swing.is_none_or(|swing| swing.side != side) {
                 let leg = figure.legs[side as usize];
-                let carried = ground_spin.cross(self.states[leg[2]].origin);
-                let change = legs[side as usize]
-                    .change(carried - self.motion.origin_velocity(leg[2]), ground_spin - self.states[leg[2]].spin);
+                let origin = self.states[leg[2]].origin;
+                let sole = &self.soles[side as usize];
+                let carried = ground_spin.cross(origin) + sole.spin.cross(origin - sole.pivot);
+                let change = legs[side as usize].change(
+                    carried - self.motion.origin_velocity(leg[2]),
+                    ground_spin + sole.spin - self.states[leg[2]].spin,
+                );
                 for (link, change) in leg.into_iter().zip(change) {
                     self.stopped[link] = change * tuning.snap;
                 }
@@ -398,45 +406,6 @@ impl Controller {
         report.velocity = self.motion.velocity;
         report.xi = xi;
         report.bears = Side::BOTH.map(|side| self.swing.is_none_or(|swing| swing.side != side));
-    }
-
-    /// Torque about the centre of mass and force on it that contacts lack for what is wanted, within the bounds; none in quiet.
-    #[expect(clippy::too_many_arguments, reason = "one tick")]
-    fn help(
-        &mut self,
-        base: &Factored,
-        bias: &Wrench,
-        wrench: &Wrench,
-        wanted: &Wanted,
-        goal: DVec2,
-        cop: DVec2,
-        rate: f64,
-    ) -> (DVec3, DVec3) {
-        let bound = self.assist;
-        if bound.torque <= 0.0 && bound.force <= 0.0 {
-            return (DVec3::ZERO, DVec3::ZERO);
-        }
-        let quiet = ((self.time - self.alarmed - 0.3) / 0.4).clamp(0.0, 1.0);
-        let share = 1.0 - quiet;
-        if share <= 0.0 {
-            return (DVec3::ZERO, DVec3::ZERO);
-        }
-        let mut less = *wrench;
-        for (value, bias) in less.iter_mut().zip(bias) {
-            *value -= bias;
-        }
-        let got = base.solve(&less);
-        let lacks = wanted.angular - DVec3::new(got[3], got[4], got[5]);
-        // The upper body's inertia about the pelvis turns a lack of acceleration into a torque.
-        let torque = (lacks * self.upper_inertia).clamp_length_max(bound.torque * share);
-        let mass = self.motion.mass;
-        let beyond = (cop - goal) * (rate * mass);
-        let short = wanted.linear - DVec3::new(wrench[0], wrench[1] - mass * GRAVITY, wrench[2]) / mass;
-        let force = DVec3::new(beyond.x, 0.0, beyond.y) + DVec3::new(short.x, 0.0, short.z) * mass;
-        let force = force.clamp_length_max(bound.force * share);
-        // What is bounded is the torque at the pelvis, where the force acts: its moment about the centre of mass is part of it.
-        let moment = (self.states[0].origin - self.motion.com).cross(force);
-        ((torque - moment).clamp_length_max(bound.torque * share) + moment, force)
     }
 
     /// Torques to the world: a spring and a damper whose rests give what is needed if all goes as planned.

@@ -65,6 +65,8 @@ pub struct WalkTuning {
     pub dear: [f64; 2],
     /// m, from the hip.
     pub reach: f64,
+    /// Share of a leg's length that it uses: who walks with bent knees bends his ankles to their end.
+    pub legs: f64,
     /// Share of the observed push that is foreseen.
     pub foreseen: f64,
     /// m, ξ so far off its orbit at a touchdown is caught, and one so near to it goes on.
@@ -100,6 +102,7 @@ impl Default for WalkTuning {
             hurry: 0.5,
             dear: [0.5, 2.0],
             reach: 0.5,
+            legs: 0.98,
             foreseen: 0.0,
             caught: [0.2, 0.1],
             keeps: 0.5,

@@ -23,10 +23,15 @@ pub(super) fn range_of(figure: &Figure, index: usize, terrain: &Terrain) -> Rang
             let across = (DVec3::X - along * along.x).normalize_or(DVec3::Z);
             let ahead = along.cross(across);
             let ahead = if ahead.dot(DVec3::Z) + 1e-3 * ahead.dot(DVec3::Y) < 0.0 { -ahead } else { ahead };
-            let [x, z, twist] = ends(figure, link.part, if terrain.moves() { LEANING } else { YIELDS });
+            let [x, z, twist] = ends(figure, link.part, leaning(terrain));
             Range::Ball(Swing { along, about: [across, ahead], swing: [x, z], twist })
         }
     }
+}
+
+/// rad, by which hips and ankles go beyond their ranges on that ground.
+pub(super) fn leaning(terrain: &Terrain) -> f64 {
+    if terrain.moves() { LEANING } else { 0.0 }
 }
 
 /// Least and most about x (forwards bends a trunk by more, a limb by less), about z, and about the bone.
@@ -52,8 +57,6 @@ fn ends(figure: &Figure, part: Part, yields: f64) -> [[f64; 2]; 3] {
     }
 }
 
-/// rad, by which loaded hips and ankles go beyond the ranges that they are measured by (6 degrees): the foot has no toe joint yet, so that a
-/// heel that leaves late bends the ankle instead.
-const YIELDS: f64 = 0.105;
-/// The same on a platform that moves: the law lays soles flat on it even where it leans by 30 degrees.
+/// rad, by which hips and ankles go beyond the ranges that they are measured by on a platform that moves: the law lays soles flat on it even
+/// where it leans by 30 degrees.
 const LEANING: f64 = 1.2;

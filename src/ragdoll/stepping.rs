@@ -12,11 +12,23 @@ use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
 
 impl Controller {
+    /// m, around the soles of the feet that stand, (x, z).
     pub(super) fn hull(&self, figure: &Figure) -> Vec<DVec2> {
+        self.hull_of(figure, f64::INFINITY)
+    }
+
+    /// m, around what of them can bear, (x, z).
+    pub(super) fn bearing_hull(&self, figure: &Figure) -> Vec<DVec2> {
+        self.hull_of(figure, self.tuning.lifted[0] * self.size)
+    }
+
+    fn hull_of(&self, figure: &Figure, most: f64) -> Vec<DVec2> {
         let mut points = Vec::with_capacity(8);
         for side in Side::BOTH {
             if self.swing.is_none_or(|swing| swing.side != side) {
-                points.extend(figure.sole_at(&self.motion.states, side).map(flat));
+                let corners =
+                    figure.sole_at(&self.motion.states, side).into_iter().zip(self.soles[side as usize].lifted);
+                points.extend(corners.filter(|(_, lifted)| *lifted < most).map(|(corner, _)| flat(corner)));
             }
         }
         convex_hull(&points)

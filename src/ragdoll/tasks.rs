@@ -4,6 +4,7 @@ use super::control::Controller;
 use super::dynamics::{Acceleration, LegMap, Wrench};
 use super::figure::{Figure, Freedom, Part};
 use super::forces::Corner;
+use super::ranges::leaning;
 use super::sole::POINTS;
 use super::{flat, short};
 use crate::maths::curve::smooth3;
@@ -26,6 +27,7 @@ impl Controller {
     /// m, the pelvis's height: the stand's, or less where a leg would not reach.
     pub(super) fn wanted_height(&self, figure: &Figure, terrain: &Terrain, floor: f64) -> f64 {
         let pelvis = self.states[0];
+        let steps = if self.gait.walks() { self.gait.tuning.legs } else { self.tuning.reach[1] };
         let mut height = self.pelvis_height + floor - self.tuning.crouch * self.size;
         // On steep ground the knees are bent beforehand: a step down it must find ground.
         let crouch = STEEP * (1.0 - terrain.spot(flat(pelvis.origin)).normal.y);
@@ -45,12 +47,12 @@ impl Controller {
                         self.states[ankle].origin.y.min(lands + figure.ankle_height),
                         goal.y - drift.y,
                     );
-                    (at, self.tuning.reach[1] + 0.05 * left / swing.time)
+                    (at, steps + 0.05 * left / swing.time)
                 }
                 _ => {
                     // Who is at ease stands as in the stand, almost straight.
                     let ease = ((self.time - self.alarmed) / self.size.sqrt() - 0.5).clamp(0.0, 1.0);
-                    let alarmed = self.tuning.reach[usize::from(self.swing.is_some())];
+                    let alarmed = if self.swing.is_some() { steps } else { self.tuning.reach[0] };
                     (self.states[ankle].origin, alarmed + (self.tuning.at_ease - alarmed).max(0.0) * ease - crouch)
                 }
             };
@@ -78,36 +80,38 @@ impl Controller {
                 let velocity = self.motion.origin_velocity(foot);
                 let spot = terrain.spot(flat(goal));
                 let level = DQuat::from_rotation_arc(DVec3::Y, spot.normal) * DQuat::from_rotation_y(swing.yaw);
+                let (level, spin, _) = self.heeds(figure, side, level, tuning.margin[1] - leaning(terrain));
                 let error = short(level * state.turn.inverse());
                 Acceleration {
                     linear: (swing.reference.acceleration
                         + (goal - state.origin) * tuning.foot[0]
                         + (swing.reference.velocity - velocity) * tuning.foot[1])
                         .clamp_length_max(tuning.foot_most[0]),
-                    angular: (error * tuning.foot_turn[0] - state.spin * tuning.foot_turn[1])
+                    angular: (error * tuning.foot_turn[0] + (spin - state.spin) * tuning.foot_turn[1])
                         .clamp_length_max(tuning.foot_most[1]),
                 }
             }
             _ => {
                 let spot = terrain.spot(flat(state.origin));
-                let up = state.turn * DVec3::Y;
-                let tilt = up.cross(spot.normal);
-                // A sole that came off goes back down; a tilted one turns about where it stands.
-                let mut over = [(DVec3::ZERO, f64::INFINITY); POINTS];
-                for (index, (over, corner)) in over.iter_mut().zip(figure.stiff_sole(side)).enumerate() {
+                let sole = &self.soles[side as usize];
+                let tilt = short(sole.wanted * state.turn.inverse());
+                let tilt = tilt - spot.normal * tilt.dot(spot.normal);
+                // A sole that came off goes back down; one that is not as wanted turns about where it stands.
+                let corners = figure.stiff_sole(side).iter().enumerate();
+                let height = |(index, corner): (usize, &DVec3)| {
                     let at = figure.carried(&self.states, side, index, *corner);
-                    *over =
-                        (figure.pivot(&self.states, side, index).unwrap_or(at), at.y - terrain.spot(flat(at)).height);
-                }
-                let low = over.iter().map(|(_, height)| *height).fold(f64::INFINITY, f64::min);
-                let bearing = |height: f64| (1.0 - (height - low) / (0.01 * self.size)).max(0.0);
-                let weight: f64 = over.iter().map(|(_, height)| bearing(*height)).sum();
-                let pivot = over.iter().map(|(at, height)| *at * bearing(*height)).sum::<DVec3>() / weight.max(1e-9);
+                    at.y - terrain.spot(flat(at)).height
+                };
+                let low = corners.map(height).fold(f64::INFINITY, f64::min);
                 let gap = low.clamp(-0.002, 0.1);
                 let back = spot.normal * ((gap + 0.001).max(0.0) * tuning.settle);
-                let angular = (tilt * tuning.level - state.spin * tuning.hold).clamp_length_max(400.0);
+                let goes = (sole.spin - state.spin) * (sole.gives * tuning.follows);
+                let angular = (tilt * tuning.level + goes - state.spin * tuning.hold).clamp_length_max(400.0);
                 let held = -self.motion.origin_velocity(foot) * tuning.hold - back;
-                Acceleration { linear: held.clamp_length_max(100.0) + angular.cross(state.origin - pivot), angular }
+                Acceleration {
+                    linear: held.clamp_length_max(100.0) + angular.cross(state.origin - sole.pivot),
+                    angular,
+                }
             }
         }
     }
@@ -207,7 +211,9 @@ impl Controller {
                 let corner = middle + (*corner - middle) * self.tuning.inside;
                 let at = figure.carried(&self.states, side, index, corner);
                 let spot = terrain.spot(flat(at));
-                if self.bears(terrain, at) {
+                let lifted = self.soles[side as usize].lifted[index] / self.size;
+                if at.y - spot.height < 0.02 * self.size && lifted < self.tuning.lifted[0] {
+                    let dear = dear * (1.0 + lifted * self.tuning.lifted[1]);
                     let corner = Corner {
                         at,
                         normal: spot.normal,
@@ -220,10 +226,5 @@ impl Controller {
             }
         }
         corners
-    }
-
-    /// Whether a corner is near enough to the ground to bear.
-    fn bears(&self, terrain: &Terrain, corner: DVec3) -> bool {
-        corner.y - terrain.spot(flat(corner)).height < 0.02 * self.size
     }
 }

@@ -82,6 +82,12 @@ pub struct Tuning {
     pub damping: [f64; 2],
     /// m, by which the pelvis is held lower.
     pub crouch: f64,
+    /// rad before a range's end where the law heeds it, of a foot that bears and of one that swings.
+    pub margin: [f64; 2],
+    /// 1/s, how hard a sole that gives way follows its shank.
+    pub follows: f64,
+    /// m, a corner that is to be higher bears nothing; 1/m, how much dearer a higher one is.
+    pub lifted: [f64; 2],
 }
 
 impl Tuning {
@@ -107,7 +113,7 @@ impl Tuning {
         turn(&mut next.step.nudge[0], -0.2, 0.2);
         turn(&mut next.step.nudge[1], -0.2, 0.2);
         turn(&mut next.momentum, 0.5, 1.7);
-        turn(&mut next.trigger, -0.02, 0.06);
+        turn(&mut next.trigger, -0.05, 0.05);
         turn(&mut next.cop_gain, 1.3, 4.0);
         turn(&mut next.moment[0], 40.0, 250.0);
         turn(&mut next.moment[1], 0.0, 700.0);
@@ -126,30 +132,30 @@ impl Default for Tuning {
         Tuning {
             step: StepTuning::default(),
             cop_gain: 2.3,
-            momentum: 1.1,
-            trigger: 0.02,
+            momentum: 1.35,
+            trigger: -0.02,
             shrunk: 0.03,
-            moment: [120.0, 350.0],
-            height: [100.0, 20.0],
+            moment: [120.0, 470.0],
+            height: [144.0, 20.0],
             pelvis: [75.0, 12.0],
-            pelvis_most: 40.0,
+            pelvis_most: 54.0,
             trunk: [100.0, 16.0],
-            foot: [600.0, 40.0],
+            foot: [670.0, 40.0],
             foot_turn: [600.0, 40.0],
-            weights: [1.0, 1.0, 0.3, 0.2],
+            weights: [1.0, 1.0, 0.3, 0.19],
             ridge: 0.02,
             standby: [0.2, 0.2],
-            bearing: [2000.0, 200.0],
-            lift: [0.072, 0.1],
+            bearing: [2000.0, 140.0],
+            lift: [0.082, 0.1],
             foreseen: 0.3,
             least: 0.06,
-            borne: 0.03,
+            borne: 0.06,
             settle: 1000.0,
             apart: false,
-            foot_most: [80.0, 90.0],
+            foot_most: [80.0, 86.0],
             rise: 0.25,
             hold: 0.0,
-            reach: [0.965, 0.945],
+            reach: [0.974, 0.945],
             snap: 0.8,
             level: 800.0,
             stretch: 0.965,
@@ -161,6 +167,9 @@ impl Default for Tuning {
             straight: 0.86,
             damping: [0.08, 0.2],
             crouch: 0.0,
+            margin: [0.042, 0.1],
+            follows: 49.0,
+            lifted: [0.006, 300.0],
         }
     }
 }

@@ -1,0 +1,154 @@
+//! What the law knows of the ranges of the ankles: where one ends, its sole gives way. Radians from the stand, scenario space, SI.
+//!
+//! As people do it when the body goes on over a foot: the sole turns with the shank about the edge that stays on the ground (the heel rises),
+//! and only that edge bears.
+
+use super::control::Controller;
+use super::figure::Figure;
+use super::ranges::leaning;
+use super::sole::POINTS;
+use super::{flat, short};
+use crate::maths::curve::smooth3;
+use crate::model::{Side, Terrain};
+use glam::{DQuat, DVec3};
+
+/// rad, by which a sole has given way where it follows its shank in full.
+const HEEDS: f64 = 0.04;
+/// Lengths of soles, of the leg's, from which on they are long for it and where they are so in full, and rad past its range's end from which
+/// on such a sole gives way. Measured on a body with feet of 1.1 legs, which fell over them at 60 N s; people's are 0.3 to 0.36.
+const LONG: [f64; 2] = [0.45, 0.75];
+const BROAD: f64 = 0.1;
+
+/// How a sole is to lie.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sole {
+    /// The foot's turn that is wanted: flat on the ground, or as near to it as the ankle goes.
+    pub(super) wanted: DQuat,
+    /// rad/s, how it is wanted to turn.
+    pub(super) spin: DVec3,
+    /// How much it gives way, 0 to 1.
+    pub(super) gives: f64,
+    /// m, how much higher each corner is then than the lowest.
+    pub(super) lifted: [f64; POINTS],
+    /// m, about which point it turns.
+    pub(super) pivot: DVec3,
+}
+
+/// The swing of what hangs down in the stand, as a turn about a level axis.
+fn swing(relative: DQuat) -> DVec3 {
+    let bone = relative * DVec3::NEG_Y;
+    let axis = DVec3::NEG_Y.cross(bone);
+    axis.normalize_or_zero() * axis.length().atan2(-bone.y)
+}
+
+/// Least and most swing about x and z for ranges of flexion (of a limb: about -x) and of turning outwards (of a left one: about z).
+fn ends(flexion: [f64; 2], outward: [f64; 2], side: Side) -> [[f64; 2]; 2] {
+    let about_z = if side == Side::Left { outward } else { [-outward[1], -outward[0]] };
+    [[-flexion[1], -flexion[0]], about_z]
+}
+
+/// A swing that is within ends, by a margin.
+fn within(swing: DVec3, [x, z]: [[f64; 2]; 2], margin: f64) -> DVec3 {
+    let held = |value: f64, [low, high]: [f64; 2]| {
+        let (low, high) = ((low + margin).min(0.0), (high - margin).max(0.0));
+        value.clamp(low, high)
+    };
+    DVec3::new(held(swing.x, x), 0.0, held(swing.z, z))
+}
+
+/// The turn of a foot nearest to `turn` that leaves its swing against the shank within ends, by a margin.
+fn held(shank: DQuat, turn: DQuat, ends: [[f64; 2]; 2], margin: f64) -> DQuat {
+    let relative = shank.inverse() * turn;
+    let swung = swing(relative);
+    let kept = within(swung, ends, margin);
+    if kept == swung {
+        return turn;
+    }
+    let twist = DQuat::from_scaled_axis(swung).inverse() * relative;
+    shank * DQuat::from_scaled_axis(kept) * twist
+}
+
+impl Controller {
+    /// A foot's turn nearest to that one that its ankle's range less a margin (rad) allows, rad/s by which it then follows its shank, and how
+    /// much it gives way, 0 to 1.
+    pub(super) fn heeds(&self, figure: &Figure, side: Side, turn: DQuat, margin: f64) -> (DQuat, DVec3, f64) {
+        let shank = &self.states[figure.legs[side as usize][1]];
+        let [.., flexion, inversion] = figure.leg_ranges[side as usize];
+        let wanted = held(shank.turn, turn, ends(flexion, [-inversion[1], -inversion[0]], side), margin);
+        let tilt = short(wanted * turn.inverse());
+        let gives = smooth3(tilt.length() / HEEDS);
+        let about = tilt.normalize_or_zero();
+        (wanted, about * (about.dot(shank.spin) * gives), gives)
+    }
+
+    /// How the sole of a foot that bears is to lie.
+    pub(super) fn sole(&self, figure: &Figure, terrain: &Terrain, side: Side) -> Sole {
+        let [.., foot] = figure.legs[side as usize];
+        let state = &self.states[foot];
+        let normal = terrain.spot(flat(state.origin)).normal;
+        let level = DQuat::from_rotation_arc(state.turn * DVec3::Y, normal) * state.turn;
+        // Feet that are long for their legs are stood on flat: the way over their tips is too far.
+        let corners = figure.soles[side as usize];
+        let [heel, .., tip, _] = corners;
+        let long = (heel.distance(tip) / figure.leg_length - LONG[0]) / (LONG[1] - LONG[0]);
+        let margin = self.tuning.margin[0] - leaning(terrain) - BROAD * long.clamp(0.0, 1.0);
+        let (wanted, spin, gives) = self.heeds(figure, side, level, margin);
+        // Toes stay where they are as the heel rises.
+        let stiff = figure.stiff_sole(side).len();
+        let heights = corners.map(|corner| (wanted * corner).dot(normal));
+        let lowest = heights[..stiff].iter().copied().fold(f64::INFINITY, f64::min);
+        let lifted = heights.map(|height| (height - lowest).max(0.0));
+        // It turns about what is lowest now and stays so.
+        let at: [DVec3; POINTS] =
+            std::array::from_fn(|index| figure.carried(&self.states, side, index, corners[index]));
+        let over: [f64; POINTS] = std::array::from_fn(|index| {
+            let height = at[index].y - terrain.spot(flat(at[index])).height;
+            if index < stiff { height + lifted[index] } else { f64::INFINITY }
+        });
+        let low = over.iter().copied().fold(f64::INFINITY, f64::min);
+        let bearing = over.map(|height| (1.0 - (height - low) / (0.01 * self.size)).max(0.0));
+        let weight: f64 = bearing.iter().sum();
+        let about =
+            (0..stiff).map(|index| figure.pivot(&self.states, side, index).unwrap_or(at[index]) * bearing[index]);
+        let pivot = about.sum::<DVec3>() / weight.max(1e-9);
+        Sole { wanted, spin, gives, lifted, pivot }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An ankle that flexes from -0.9 to 0.4 and turns inwards from -0.3 to 0.5.
+    fn ankle(side: Side) -> [[f64; 2]; 2] {
+        ends([-0.9, 0.4], [-0.5, 0.3], side)
+    }
+
+    #[test]
+    fn a_flat_foot_stays_flat_within_its_ankle_s_range() {
+        for (lean, yaw) in [(0.3, 0.0), (0.3, 0.5), (-0.7, 0.2)] {
+            let flat = DQuat::from_rotation_y(yaw);
+            let shank = flat * DQuat::from_rotation_x(lean);
+            assert_eq!(held(shank, flat, ankle(Side::Left), 0.05), flat, "{lean} {yaw}");
+        }
+    }
+
+    #[test]
+    fn a_heel_rises_by_what_the_shank_leans_on_past_the_end() {
+        for side in Side::BOTH {
+            let shank = DQuat::from_rotation_x(0.6);
+            let turned = short(held(shank, DQuat::IDENTITY, ankle(side), 0.05));
+            assert!(turned.distance(DVec3::X * 0.25) < 1e-9, "{side:?}: {turned}");
+        }
+    }
+
+    #[test]
+    fn an_edge_rises_on_the_side_that_the_shank_leans_away_from() {
+        // Both shanks lean to the left: the left foot's sole comes to face outwards of its shank, the right one's inwards.
+        let shank = DQuat::from_rotation_z(-0.6);
+        for (side, past) in [(Side::Left, 0.3), (Side::Right, 0.1)] {
+            let turned = short(held(shank, DQuat::IDENTITY, ankle(side), 0.0));
+            assert!(turned.distance(DVec3::NEG_Z * past) < 1e-9, "{side:?}: {turned}");
+        }
+    }
+}
