@@ -4,7 +4,7 @@
 //! that the soles can give fix the pelvis's acceleration; inverse dynamics turns it all into joint torques, given to the
 //! world as springs whose rests meet them at the end of the tick, so that what is not foreseen is resisted.
 
-use super::dynamics::{Acceleration, LegMap, Motion, Wrench};
+use super::dynamics::{Acceleration, LegMap, Motion};
 use super::figure::{Figure, Freedom, Link, Part};
 use super::forces::{Forces, Wanted};
 use super::linear::{Factored, Matrix6};
