@@ -77,11 +77,12 @@ fn pose_of(figure: &Figure, states: &[LinkState]) -> BodyPose {
 /// The law's dials of a person: how soon, how far, how high and with which foot one steps.
 fn tuning_of(person: &Personality) -> Tuning {
     let mut tuning = Tuning::default();
-    tuning.step.times.iter_mut().for_each(|time| *time *= 1.0 + 0.15 * person.arms_delay);
-    tuning.trigger += 0.015 * person.trunk_gain;
+    tuning.step.times.iter_mut().for_each(|time| *time *= 1.0 + 0.2 * person.arms_delay);
+    tuning.trigger += 0.02 * person.trunk_gain;
     tuning.step.outside += 0.06 * person.far_arm;
     tuning.lift[0] *= 1.0 + 0.15 * person.head_gain;
-    tuning.step.nudge = [0.04 * person.far_arm, 0.06 * person.arms_gain];
+    tuning.step.nudge = [0.05 * person.far_arm, 0.08 * person.arms_gain];
+    tuning.step.reach += 0.03 * (person.head_gain + person.trunk_gain);
     tuning.step.left = 0.12 * person.elbow;
     tuning
 }

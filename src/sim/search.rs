@@ -67,14 +67,21 @@ impl Search {
 
     /// Whether the tick at `time` may be one to decide at: only then a copy from before it is worth its time.
     pub(super) fn may_decide(&self, course: &Course, run: &Run, time: f64) -> bool {
-        self.left > 0 && run.control.swing.is_none() && (course.things.walk)(time).is_none()
+        let begins = run.control.swing.is_none() || self.felt(run, time);
+        self.left > 0 && begins && (course.things.walk)(time).is_none()
     }
 
     /// Whether it is, now that its law has decided.
     pub(super) fn decides(&self, run: &Run, time: f64) -> bool {
-        let felt = |start: f64| (start + FELT..start + FELT + self.dt - 1e-9).contains(&time);
+        let unfelt = |start: f64| (start..start + FELT - 1e-9).contains(&time);
         let steps = run.control.swing.is_some_and(|swing| !swing.comfort);
-        steps || run.acting.iter().any(|push| felt(push.start))
+        self.felt(run, time) || steps && !run.acting.iter().any(|push| unfelt(push.start))
+    }
+
+    /// Whether a push is felt now.
+    fn felt(&self, run: &Run, time: f64) -> bool {
+        let felt = |start: f64| (start + FELT..start + FELT + self.dt - 1e-9).contains(&time);
+        run.acting.iter().any(|push| felt(push.start))
     }
 
     /// Other dials from `time` on, where the own do not do and others do better.
