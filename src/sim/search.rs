@@ -8,7 +8,7 @@
 use super::SimulateOptions;
 use super::run::{Course, Run, Ticked};
 use crate::maths::seed::Seed;
-use crate::measure::gate::{LEAST_LEGS, LONGEST_HOVER};
+use crate::measure::gate::LONGEST_HOVER;
 use crate::measure::legs;
 use crate::ragdoll::Tuning;
 
@@ -20,8 +20,8 @@ const AHEAD: f64 = 2.2;
 const RESTS: f64 = 0.2;
 /// Of the standing height, under which a copy has fallen. It is given up sooner than a body: who gets that low hardly gets up.
 const FALLEN: f64 = 0.62;
-/// Of the bound on the legs' distance, what a copy must keep: keys and planted feet change a little.
-const ROOM: f64 = 1.1;
+/// m at legs of 0.83 m, what a copy must keep between its legs: well over what the gate asks, for nearer than that calves touch.
+const APART: f64 = 0.1;
 /// Share of the body's weight under which a foot is not on the ground.
 const PRESSED: f64 = 0.01;
 /// Candidates at a decision and ticks in all, by effort.
@@ -146,7 +146,7 @@ impl Search {
             }
         }
         let hovers = (longest - LONGEST_HOVER).max(0.0);
-        let crossed = (ROOM * LEAST_LEGS - nearest).max(0.0);
+        let crossed = (APART - nearest).max(0.0);
         let rests = copy.rest > RESTS;
         let taken = copy.control.report.steps.saturating_sub(steps) as f64;
         let cost = 40.0 * hovers + 60.0 * crossed + 0.1 * taken + if rests { 0.0 } else { 1.0 };
