@@ -208,3 +208,23 @@ fn a_walk_is_its_run_and_every_stand_of_it_is_held() {
         }
     }
 }
+
+#[test]
+fn no_clip_that_stands_is_in_the_air_held_by_nothing_or_has_its_legs_in_each_other() {
+    let hard = |rig: &Rig| shoves(rig, 12, [90.0, 220.0], 77);
+    let (mut stands, mut falls) = (0, 0);
+    for (name, rig) in rigs() {
+        let clips: Vec<Baked> = hard(&rig).par_iter().map(|scenario| play(&rig, scenario)).collect();
+        for (index, baked) in clips.iter().enumerate() {
+            if baked.report.outcome == Outcome::Fall {
+                falls += 1;
+                continue;
+            }
+            stands += 1;
+            let found = baked.findings.as_ref().map(surefoot::measure::gate).expect("measured");
+            assert!(found.is_empty(), "{name}, shove {index}: {}", found[0]);
+        }
+    }
+    println!("{stands} stand, {falls} fall");
+    assert!(stands >= 8, "{stands} stand");
+}

@@ -99,7 +99,7 @@ fn a_clip_tells_the_peak_torque_of_every_joint_worst_first_and_the_steppers_none
     let (light, hard) = (alone(&shoved(40.0, Direction::Left)), alone(&shove));
     let torques = &hard.report.torques;
     println!("{torques:?}");
-    assert_eq!(torques.len(), 14, "every joint of the figure but its root");
+    assert_eq!(torques.len(), 16, "every joint of the figure but its root, toes too");
     assert!(torques.windows(2).all(|pair| pair[0].peak_nm >= pair[1].peak_nm));
     assert!(torques.iter().all(|torque| (torque.share * 500.0 - torque.peak_nm).abs() < 1e-9 && torque.share <= 1.0));
     assert!(torques[0].joint.contains("Leg") || torques[0].joint.contains("Foot"), "{}", torques[0].joint);

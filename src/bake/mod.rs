@@ -17,6 +17,7 @@ mod curved;
 pub mod feet;
 mod feet_based;
 pub mod footing;
+pub mod gated;
 mod key_times;
 pub mod keys;
 mod knees;
@@ -40,6 +41,7 @@ mod track;
 
 pub use auto::{Choice, Fall};
 pub use base::{Base, BaseError};
+pub use gated::Ahead;
 pub use keys::Curves;
 pub use perform::{Performance, perform, perform_by};
 pub use ragdoll::{Drive, Helped};
@@ -161,6 +163,19 @@ pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Bak
 
 /// Bakes with that drive.
 fn bake_by(rig: &Rig, scenario: &Scenario, options: &BakeOptions, drive: Drive) -> Result<Baked, BakeError> {
+    match drive {
+        Drive::Ragdoll(helped) => gated::bake(rig, scenario, options, helped),
+        drive => once(rig, scenario, options, (drive, Ahead::default())),
+    }
+}
+
+/// Bakes once with that drive.
+fn once(
+    rig: &Rig,
+    scenario: &Scenario,
+    options: &BakeOptions,
+    (drive, ahead): (Drive, Ahead),
+) -> Result<Baked, BakeError> {
     let scale = scenario.character.leg_scale;
     let rig = &if scale == 1.0 { Cow::Borrowed(rig) } else { Cow::<Rig>::Owned(rig.with_leg_scale(scale)) };
     let body: Body = match scenario.character.mass {
@@ -168,7 +183,7 @@ fn bake_by(rig: &Rig, scenario: &Scenario, options: &BakeOptions, drive: Drive) 
         None => rig.body.clone(),
     };
     let seed = options.seed.unwrap_or(scenario.seed);
-    let performance = perform::perform_over(&body, scenario, seed, (drive, options.effort), options.base.as_ref())?;
+    let performance = perform::perform_over(&body, scenario, seed, (drive, ahead), options.base.as_ref())?;
     if options.looped {
         return looped::bake(rig, scenario, options, performance, seed);
     }

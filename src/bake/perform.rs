@@ -6,6 +6,7 @@
 use super::base::{Base, Over, over::whole};
 use super::carried::{self, Carried};
 use super::contacts::{self, FootContact};
+use super::gated::Ahead;
 use super::ragdoll::{self, Drive};
 use super::throws::{self, Ball};
 use super::timeline::Timeline;
@@ -72,7 +73,13 @@ pub fn perform(body: &Body, scenario: &Scenario, seed: u64) -> Result<Performanc
 
 /// Runs the scenario on a body.
 pub fn perform_by(body: &Body, scenario: &Scenario, seed: u64, drive: Drive) -> Result<Performance, BakeError> {
-    perform_over(body, scenario, seed, (drive, BakeOptions::default().effort), None)
+    perform_over(
+        body,
+        scenario,
+        seed,
+        (drive, Ahead { effort: BakeOptions::default().effort, ..Ahead::default() }),
+        None,
+    )
 }
 
 /// The same, with that effort, starting from a base clip and returning to it.
@@ -80,11 +87,11 @@ pub fn perform_over(
     body: &Body,
     scenario: &Scenario,
     seed: u64,
-    (drive, effort): (Drive, u8),
+    (drive, ahead): (Drive, Ahead),
     base: Option<&Arc<Base>>,
 ) -> Result<Performance, BakeError> {
     if let Drive::Ragdoll(helped) | Drive::Auto(helped) = drive {
-        return played::perform::perform(body, scenario, seed, (helped, effort));
+        return played::perform::perform(body, scenario, seed, (helped, ahead));
     }
     let anatomy = Anatomy::new(body);
     let mut over = base.map(|base| Over::new(base, body, &anatomy, scenario)).transpose()?;

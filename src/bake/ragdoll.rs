@@ -52,6 +52,15 @@ pub struct Driven {
 const TRIES: [[f64; 2]; 8] =
     [[0.0, 0.0], [25.0, 0.0], [50.0, 0.0], [100.0, 0.0], [150.0, 0.0], [200.0, 50.0], [300.0, 150.0], [300.0, 300.0]];
 
+/// The bounds that `Auto` tries on a body of that mass (kg), the least first.
+pub(super) fn rungs(mass: f64) -> impl Iterator<Item = Assist> {
+    let scale = mass / HEAVY;
+    TRIES.into_iter().map(move |[torque, force]| Assist { torque: torque * scale, force: force * scale })
+}
+
+/// kg, of whom [`TRIES`] are.
+const HEAVY: f64 = 89.5;
+
 /// m/s, faster its pelvis turns too far with the legs.
 const FASTEST: f64 = 1.3;
 
@@ -123,15 +132,15 @@ pub(super) fn run(
             .map_err(|broken| BakeError::Overdone { time: broken.time, what: broken.what, mass: physique.mass })?;
         Ok(Driven { run, bound, why: None })
     };
-    let scale = physique.mass / 89.5;
+    let scale = physique.mass / HEAVY;
     if let Helped::Within(bound) = helped {
         return once(bound, options.effort);
     }
     let mut least = None;
-    for [torque, force] in TRIES {
+    for bound in rungs(physique.mass) {
         // Help is for where looking ahead finds nothing.
-        let effort = if torque > 0.0 { 0 } else { options.effort };
-        let driven = once(Assist { torque: torque * scale, force: force * scale }, effort)?;
+        let effort = if bound.torque > 0.0 { 0 } else { options.effort };
+        let driven = once(bound, effort)?;
         if driven.run.trace.lost.is_none() {
             return Ok(driven);
         }

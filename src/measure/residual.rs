@@ -91,12 +91,13 @@ fn beyond_cone(edges: &[Row], wanted: Row) -> Row {
     let mut used: Vec<usize> = Vec::with_capacity(ROWS); // edges with a weight over 0
     let mut weights: Vec<f64> = Vec::with_capacity(ROWS);
     let mut missing = wanted;
+    let mut barred: Vec<usize> = Vec::new(); // edges that depend on the used ones
     for _ in 0..100 {
         // The edge that helps most.
         let mut best = (None, 1e-9);
         for (index, edge) in edges.iter().enumerate() {
             let gain = dot(edge, &missing);
-            if gain > best.1 && !used.contains(&index) {
+            if gain > best.1 && !used.contains(&index) && !barred.contains(&index) {
                 best = (Some(index), gain);
             }
         }
@@ -144,7 +145,9 @@ fn beyond_cone(edges: &[Row], wanted: Row) -> Row {
             }
         }
         if stuck {
-            break;
+            barred.push(enters);
+        } else {
+            barred.clear();
         }
     }
     missing

@@ -10,6 +10,8 @@ use glam::{DQuat, DVec2, DVec3};
 
 /// m at the reference leg: a point of the sole that is no higher over the ground touches it. The keys may have a foot off its run by as much.
 const TOUCHES: f64 = 0.005;
+/// m: points that are no higher than the lowest by that are the lowest.
+const BESIDE: f64 = 0.001;
 
 /// A foot that bears and does not hold still, as the motion says.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,7 +87,7 @@ fn height(ground: &Terrain, point: DVec3) -> f64 {
     (point.y - spot.height) * spot.normal.y
 }
 
-/// Each of them, and how far it slides, mm: the way over the ground of the lowest points of its sole, sample by sample.
+/// Each of them, and how far it slides, mm: the way over the ground, in the mean, of the lowest points of its sole, sample by sample.
 pub fn slides(track: &Track, scuffs: &[Scuff]) -> Vec<(Scuff, f64)> {
     scuffs.iter().map(|scuff| (*scuff, 1000.0 * slide(track, scuff))).collect()
 }
@@ -101,15 +103,18 @@ fn slide(track: &Track, scuff: &Scuff) -> f64 {
         sole_points(track, sample, scuff.side, &mut here);
         sole_points(track, sample + 1, scuff.side, &mut next);
         let (now, then) = (terrain.held_at(track.motion.time(sample)), terrain.held_at(track.motion.time(sample + 1)));
-        let lowest = (0..here.len().min(next.len())).min_by(|a, b| {
-            let over = |index: usize| height(&now, here[index]) + height(&then, next[index]);
-            over(*a).total_cmp(&over(*b))
-        });
-        let Some(lowest) = lowest else { continue };
         let ground = terrain.turn(track.motion.time(sample + 1)) * terrain.turn(track.motion.time(sample)).inverse();
-        let moved = next[lowest] - ground * here[lowest];
-        let normal = now.spot(DVec2::new(here[lowest].x, here[lowest].z)).normal;
-        way += (moved - normal * moved.dot(normal)).length();
+        let over: Vec<f64> =
+            here.iter().zip(&next).map(|(here, next)| height(&now, *here) + height(&then, *next)).collect();
+        let lowest = over.iter().copied().fold(f64::INFINITY, f64::min);
+        let touching = (0..over.len()).filter(|index| over[*index] < lowest + 2.0 * BESIDE);
+        let moved = touching.map(|index| {
+            let moved = next[index] - ground * here[index];
+            let normal = now.spot(DVec2::new(here[index].x, here[index].z)).normal;
+            (moved - normal * moved.dot(normal)).length()
+        });
+        let (sum, count) = moved.fold((0.0, 0.0), |(sum, count), moved| (sum + moved, count + 1.0));
+        way += sum / f64::max(count, 1.0);
     }
     way
 }

@@ -208,22 +208,25 @@ fn plane_axes(normal: DVec3) -> [DVec3; 2] {
     [x, x.cross(normal)]
 }
 
-/// The corners that matter for a wrench: one that lies within 2 mm of the line between the last kept and the next is
-/// left out.
-fn thinned(hull: &[DVec2]) -> impl Iterator<Item = DVec2> + '_ {
-    let mut last = hull.last().copied().unwrap_or_default();
-    let keep_all = hull.len() <= 4;
-    hull.iter().enumerate().filter_map(move |(index, corner)| {
-        let next = hull[(index + 1) % hull.len()];
-        let chord = next - last;
-        let off = chord.normalize_or_zero().perp_dot(*corner - last).abs();
-        if keep_all || chord.length() < 1e-9 || off > 0.002 {
-            last = *corner;
-            Some(*corner)
-        } else {
-            None
-        }
-    })
+/// m, as far beside the line between its neighbours a corner says nothing.
+const BESIDE: f64 = 0.002;
+
+/// The corners of a hull without those that are hardly beside the line between their neighbours: the least telling goes first, so that of
+/// some that lie close together one stays.
+fn thinned(hull: &[DVec2]) -> impl Iterator<Item = DVec2> {
+    let mut kept = hull.to_vec();
+    while kept.len() > 4 {
+        let beside = |index: usize| {
+            let (last, next) = (kept[(index + kept.len() - 1) % kept.len()], kept[(index + 1) % kept.len()]);
+            (next - last).normalize_or_zero().perp_dot(kept[index] - last).abs()
+        };
+        let least = (0..kept.len()).map(|index| (beside(index), index)).min_by(|a, b| a.0.total_cmp(&b.0));
+        match least.filter(|least| least.0 <= BESIDE) {
+            Some((_, index)) => kept.remove(index),
+            None => break,
+        };
+    }
+    kept.into_iter()
 }
 
 #[cfg(test)]

@@ -144,6 +144,7 @@ pub(crate) mod tests {
                 contact(Side::Right, Part::Flat, 0.0, 0.75),
                 contact(Side::Right, Part::Flat, 1.05, 3.0),
             ],
+            scuffs: Vec::new(),
             events: vec![
                 event(0.6, "push_start", None),
                 event(0.8, "push_end", None),

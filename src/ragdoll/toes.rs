@@ -334,7 +334,8 @@ mod tests {
 
     #[test]
     fn a_rig_whose_toe_joints_are_nowhere_a_foot_bends_keeps_its_feet_whole() {
-        let places: [(&str, fn(&mut Body, usize)); 8] = [
+        type Moves = fn(&mut Body, usize);
+        let places: [(&str, Moves); 8] = [
             ("behind the heel", |body, toe| body.joints[toe].rest.z = -0.2),
             ("under the ankle", |body, toe| body.joints[toe].rest.z = 0.0),
             ("at the tip", |body, toe| body.joints[toe].rest.z = 0.188),

@@ -152,9 +152,10 @@ fn play(course: &Course, mut run: Run, options: &SimulateOptions) -> Result<Arti
             ticked = run.tick(course, time);
         }
         record.tick(course, &run.control, &ticked, time);
-        if ticked.lies || ticked.height < FALLEN {
+        let gives_up = options.gives_up.is_some_and(|when| time >= when - 1e-9);
+        if ticked.lies || ticked.height < FALLEN || gives_up {
             // Nobody fights until he lies: seen from the end, the joints give way as soon as the body sinks for good.
-            let (last, mut from) = sinking.take().unwrap_or((tick, run));
+            let (last, mut from) = sinking.take().filter(|_| !gives_up).unwrap_or((tick, run));
             record.cut(last + 1);
             lost = Some(last as f64 * options.dt);
             from.fall(course, last, &mut record.poses)?;

@@ -27,6 +27,9 @@ const PRESSED: f64 = 0.01;
 /// Candidates at a decision and ticks in all, by effort.
 const EFFORTS: [(usize, usize); 4] = [(0, 0), (28, 8_000), (120, 40_000), (2_000, 3_000_000)];
 
+/// What the draws of a search that is made again are apart from those of the first: any large odd number.
+const AGAIN: u64 = 0x9e37_79b9_7f4a_7c15;
+
 /// What was looked for, and found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Searched {
@@ -58,7 +61,12 @@ impl Search {
     pub(super) fn new(options: &SimulateOptions) -> Search {
         let effort = options.effort.min(3);
         let done = Searched { effort, ..Searched::default() };
-        Search { done, left: EFFORTS[usize::from(effort)].1, seed: options.seed, dt: options.dt }
+        Search {
+            done,
+            left: EFFORTS[usize::from(effort)].1,
+            seed: options.seed.wrapping_add(AGAIN.wrapping_mul(u64::from(options.again))),
+            dt: options.dt,
+        }
     }
 
     pub(super) fn done(&self) -> Searched {

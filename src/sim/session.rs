@@ -49,6 +49,10 @@ pub struct SimulateOptions {
     pub arms: f64,
     /// 0 to 3, how far the articulated body looks ahead ([`super::search`]).
     pub effort: u8,
+    /// How often the articulated body was searched for before: other draws of the same seed.
+    pub again: u8,
+    /// s, when the articulated body gives balance up.
+    pub gives_up: Option<f64>,
     /// What it draws from.
     pub seed: u64,
 }
@@ -63,6 +67,8 @@ impl Default for SimulateOptions {
             personality: Personality::default(),
             arms: 0.5,
             effort: 0,
+            again: 0,
+            gives_up: None,
             seed: 0,
         }
     }

@@ -3,6 +3,7 @@
 //! The stepper has no part in it.
 
 use super::{Played, Run};
+use crate::bake::gated::Ahead;
 use crate::bake::perform::{Performance, check, style};
 use crate::bake::ragdoll::{self, Driven, Helped};
 use crate::bake::timeline::Timeline;
@@ -19,9 +20,9 @@ pub fn perform(
     body: &Body,
     scenario: &Scenario,
     seed: u64,
-    (helped, effort): (Helped, u8),
+    (helped, ahead): (Helped, Ahead),
 ) -> Result<Performance, BakeError> {
-    let driven = driven(body, scenario, seed, (helped, effort))?;
+    let driven = driven(body, scenario, seed, (helped, ahead))?;
     let anatomy = Anatomy::new(body);
     let physique = stand::physique(body, &anatomy);
     let (carried, loads) = carried::carried(body, &anatomy, scenario);
@@ -56,7 +57,7 @@ pub fn perform(
 
 /// The run. What first goes to the right is played to the left by the mirrored body and seen in the mirror: a scenario and its mirror
 /// image are then the same run.
-fn driven(body: &Body, scenario: &Scenario, seed: u64, help: (Helped, u8)) -> Result<Driven, BakeError> {
+fn driven(body: &Body, scenario: &Scenario, seed: u64, help: (Helped, Ahead)) -> Result<Driven, BakeError> {
     let (scenario, mirrored) = scenario.to_the_left();
     if !mirrored {
         return run(body, &scenario, seed, help);
@@ -81,7 +82,7 @@ fn in_the_mirror(error: BakeError) -> BakeError {
 }
 
 /// The run of a scenario as it is.
-fn run(body: &Body, scenario: &Scenario, seed: u64, (helped, effort): (Helped, u8)) -> Result<Driven, BakeError> {
+fn run(body: &Body, scenario: &Scenario, seed: u64, (helped, ahead): (Helped, Ahead)) -> Result<Driven, BakeError> {
     let anatomy = Anatomy::new(body);
     let physique = stand::physique(body, &anatomy);
     let (carried, loads) = carried::carried(body, &anatomy, scenario);
@@ -90,7 +91,9 @@ fn run(body: &Body, scenario: &Scenario, seed: u64, (helped, effort): (Helped, u
         style: style(&scenario.character),
         personality: Personality::drawn(seed),
         arms: scenario.character.style.arms,
-        effort,
+        effort: ahead.effort,
+        again: ahead.again,
+        gives_up: ahead.gives_up,
         // The run ends with the clip.
         extra: 0.0,
         seed,
