@@ -9,6 +9,9 @@ use crate::model::report::Outcome;
 use crate::model::scenario::Scenario;
 use crate::rig::Rig;
 
+/// How a clip's warning begins whose run stood as nobody does, and fell for it.
+pub const FALLS: &str = "it falls because it could only go on as nobody does";
+
 /// How a body's run is looked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ahead {
@@ -44,7 +47,7 @@ pub(super) fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions, helped
     }
     let gives_up = Some(when(&why).min(scenario.duration));
     let mut fallen = play(Helped::Within(bound), Ahead { gives_up, ..ahead })?;
-    let told = format!("it falls because it could only go on as nobody does: {why}");
+    let told = format!("{FALLS}: {why}");
     fallen.report.plausibility.notes.insert(0, told.clone());
     fallen.warnings.push(told);
     Ok(fallen)
