@@ -16,7 +16,7 @@ use surefoot::ragdoll::control::Assist;
 use surefoot::ragdoll::figure::Part;
 use surefoot::ragdoll::{Figure, LinkState, Locks, World};
 use surefoot::rig::Rig;
-use surefoot::sim::{Articulated, SimulateOptions, simulate_articulated};
+use surefoot::sim::{Articulated, ArticulatedOptions, simulate_articulated};
 use surefoot::whole_body::{Anatomy, Solver, stand};
 
 fn built_in() -> Rig {
@@ -311,7 +311,7 @@ fn forced(force: DVec3) -> Result<Articulated, surefoot::sim::articulated::Broke
     let anatomy = Anatomy::new(&body);
     let physique = stand::physique(&body, &anatomy);
     let push = KnownPush { start: 1.0, end: 1.2, force, at: PushPoint::Joint(body.joint(Role::Chest).unwrap_or(0)) };
-    let options = SimulateOptions { duration: 2.0, ..SimulateOptions::default() };
+    let options = ArticulatedOptions { duration: 2.0, ..ArticulatedOptions::default() };
     simulate_articulated(&body, &anatomy, &physique, &Terrain::flat(), &options, &[(push, false)], Assist::default())
 }
 

@@ -41,7 +41,6 @@ mod track;
 
 pub use auto::{Choice, Fall};
 pub use base::{Base, BaseError};
-pub use gated::Ahead;
 pub use keys::Curves;
 pub use perform::{Performance, perform, perform_by};
 pub use ragdoll::{Drive, Helped};
@@ -51,6 +50,7 @@ use crate::measure::Findings;
 use crate::model::scenario::Scenario;
 use crate::model::{Body, Clip, ClipReport, Prop};
 use crate::rig::Rig;
+use crate::sim::Ahead;
 use std::borrow::Cow;
 use std::sync::Arc;
 

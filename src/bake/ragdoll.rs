@@ -11,7 +11,7 @@ use crate::model::scenario::{GroundKind, Scenario, Walk};
 use crate::model::{Body, Load, Physique, Terrain};
 use crate::ragdoll::control::Assist;
 use crate::ragdoll::walk::{Order, WalkTuning};
-use crate::sim::{Articulated, Incoming, Script, SimulateOptions, Things, simulate_with};
+use crate::sim::{Ahead, Articulated, ArticulatedOptions, Incoming, Script, Things, simulate_with};
 use crate::stepper::Phase;
 use crate::whole_body::{Anatomy, Solver, stand};
 use glam::DVec3;
@@ -93,7 +93,7 @@ pub(super) fn run(
     anatomy: &Anatomy,
     physique: &Physique,
     scenario: &Scenario,
-    options: &SimulateOptions,
+    options: &ArticulatedOptions,
     pushes: &[(KnownPush, bool)],
     tosses: &[Toss],
     (carried, loads): (&[Carried], &[Load]),
@@ -127,19 +127,19 @@ pub(super) fn run(
     };
     let things = Things { incoming: &incoming, loads, hold: &hold, walk: &walk };
     let once = |bound: Assist, effort: u8| -> Result<Driven, BakeError> {
-        let options = SimulateOptions { effort, ..*options };
+        let options = ArticulatedOptions { ahead: Ahead { effort, ..options.ahead }, ..*options };
         let run = simulate_with(body, anatomy, physique, &terrain, &options, pushes, bound, &things)
             .map_err(|broken| BakeError::Overdone { time: broken.time, what: broken.what, mass: physique.mass })?;
         Ok(Driven { run, bound, why: None })
     };
     let scale = physique.mass / HEAVY;
     if let Helped::Within(bound) = helped {
-        return once(bound, options.effort);
+        return once(bound, options.ahead.effort);
     }
     let mut least = None;
     for bound in rungs(physique.mass) {
         // Help is for where looking ahead finds nothing.
-        let effort = if bound.torque > 0.0 { 0 } else { options.effort };
+        let effort = if bound.torque > 0.0 { 0 } else { options.ahead.effort };
         let driven = once(bound, effort)?;
         if driven.run.trace.lost.is_none() {
             return Ok(driven);

@@ -31,7 +31,7 @@ use surefoot::ragdoll::control::Assist;
 use surefoot::ragdoll::walk::Order;
 use surefoot::ragdoll::{Controller, Figure, Locks, Tuning, World};
 use surefoot::rig::{self, Rig};
-use surefoot::sim::{Articulated, SimulateOptions, Things, simulate_articulated, simulate_with};
+use surefoot::sim::{Ahead, Articulated, ArticulatedOptions, Things, simulate_articulated, simulate_with};
 use surefoot::whole_body::{Anatomy, Solver, stand};
 
 /// Shares of the bins among the paper's pushes (10 to 500 N for 0.1 to 0.5 s).
@@ -61,7 +61,9 @@ impl Subject {
     /// Whether it stays up, and whether it then stands still.
     fn pushed(&self, push: &KnownPush, [torque, force]: [f64; 2], effort: u8) -> (bool, bool) {
         let scale = self.physique.mass / HEAVY;
-        let options = SimulateOptions { duration: push.start + 8.0, extra: 0.0, effort, ..SimulateOptions::default() };
+        let ahead = Ahead { effort, ..Ahead::default() };
+        let options =
+            ArticulatedOptions { duration: push.start + 8.0, extra: 0.0, ahead, ..ArticulatedOptions::default() };
         let push = KnownPush { force: push.force * scale, ..*push };
         let assist = Assist { torque: torque * scale, force: force * scale };
         let run = simulate_articulated(
@@ -161,7 +163,7 @@ fn ladder([torque, force]: [f64; 2]) -> Vec<[f64; 2]> {
 /// A minute of standing, and 60 Ns from 16 directions.
 fn standing(subject: &Subject) {
     let chest = subject.body.joint(Role::Chest).unwrap_or(0);
-    let options = SimulateOptions { duration: 60.0, extra: 0.0, ..SimulateOptions::default() };
+    let options = ArticulatedOptions { duration: 60.0, extra: 0.0, ..ArticulatedOptions::default() };
     let run = simulate_articulated(
         &subject.body,
         &subject.anatomy,
@@ -230,7 +232,7 @@ fn platforms(subject: &Subject) {
         .into_par_iter()
         .map(|(name, pitch, roll)| {
             let terrain = Terrain::new(&Ground { kind: GroundKind::Platform { pitch, roll }, friction: 1.0 });
-            let options = SimulateOptions { duration: 60.0, extra: 0.0, ..SimulateOptions::default() };
+            let options = ArticulatedOptions { duration: 60.0, extra: 0.0, ..ArticulatedOptions::default() };
             let (body, pushes) = (&subject.body, every_five_seconds(&subject.body, 60.0));
             let run =
                 simulate_articulated(body, &subject.anatomy, &subject.physique, &terrain, &options, &pushes, FREE);
@@ -249,7 +251,7 @@ fn platforms(subject: &Subject) {
 impl Subject {
     /// Walks straight on from 0.5 s, root-free.
     fn walks(&self, speed: f64, duration: f64, pushes: &[(KnownPush, bool)]) -> Option<Articulated> {
-        let options = SimulateOptions { duration, extra: 0.0, ..SimulateOptions::default() };
+        let options = ArticulatedOptions { duration, extra: 0.0, ..ArticulatedOptions::default() };
         let order = |time: f64| {
             let velocity = if time >= 0.5 { DVec2::Y * speed } else { DVec2::ZERO };
             Some(Order { velocity, facing: 0.0 })
