@@ -16,6 +16,7 @@ pub mod contacts;
 mod curved;
 pub mod feet;
 mod feet_based;
+mod foot_path;
 pub mod footing;
 pub mod gated;
 mod key_times;
