@@ -1,7 +1,8 @@
 //! What the links' boxes may touch: the ground, by their corners where it is a smooth surface and by whole boxes where it has edges
 //! (stairs, gaps), and balls. Scenario space, SI.
 
-use super::figure::{Figure, above_legs};
+use super::bulk::above_legs;
+use super::figure::Figure;
 use super::ground::{double, rotation, vector};
 use crate::dynamics::{Articulation, Loose, Touch};
 use crate::model::scenario::GroundKind;
