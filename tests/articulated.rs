@@ -31,9 +31,7 @@ fn run(body: &Body, pushes: &[KnownPush], duration: f64, assist: Assist) -> Arti
 fn standing(body: &Body) -> (Figure, BodyPose) {
     let anatomy = Anatomy::new(body);
     let physique = stand::physique(body, &anatomy);
-    let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
-    let target = stand::stand_target(body, &plants, DVec3::Y * physique.com_height, 0.0);
-    let pose = Solver::new(body, &anatomy).solve(&target).pose;
+    let pose = Solver::new(body, &anatomy).solve(&stand::natural_stand(body, &physique)).pose;
     (Figure::new(body, &pose, Locks::default()), pose)
 }
 

@@ -54,9 +54,7 @@ fn under_balls(density: f64) -> Scenario {
 fn stands(body: &Body) -> BodyPose {
     let anatomy = Anatomy::new(body);
     let physique = stand::physique(body, &anatomy);
-    let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
-    let target = stand::stand_target(body, &plants, DVec3::Y * physique.com_height, 0.0);
-    Solver::new(body, &anatomy).solve(&target).pose
+    Solver::new(body, &anatomy).solve(&stand::natural_stand(body, &physique)).pose
 }
 
 /// m/s, the fastest joint between two poses so far apart.

@@ -329,9 +329,7 @@ fn run(
     options: &SimulateOptions,
     pushes: &[(KnownPush, bool)],
 ) -> Trace {
-    let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
-    let com = DVec3::Y * physique.com_height;
-    let standing = Solver::new(body, anatomy).solve(&stand::stand_target(body, &plants, com, 0.0));
+    let standing = Solver::new(body, anatomy).solve(&stand::natural_stand(body, physique));
     let positions = standing.pose.positions(body);
     // What is carried lifts the centre of mass.
     let height = |time: f64| {

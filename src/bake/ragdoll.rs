@@ -104,9 +104,7 @@ pub(super) fn run(
         return Err(BakeError::Unplayed { parts: unplayed.join(", ") });
     }
     let terrain = Terrain::new(&scenario.ground);
-    let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
-    let target = stand::stand_target(body, &plants, DVec3::Y * physique.com_height, 0.0);
-    let standing = Solver::new(body, anatomy).solve(&target).pose;
+    let standing = Solver::new(body, anatomy).solve(&stand::natural_stand(body, physique)).pose;
     let positions = standing.positions(body);
     let ways: Vec<_> = tosses.iter().map(|toss| |aim: DVec3, facing: f64| toss.way(aim, facing)).collect();
     let incoming: Vec<Incoming> = tosses

@@ -153,7 +153,7 @@ pub fn simulate_with(
     things: &Things,
 ) -> Result<Articulated, BrokenBody> {
     let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
-    let level = stand::stand_target(body, &plants, DVec3::Y * physique.com_height, 0.0);
+    let level = stand::natural_stand(body, physique);
     let standing = Solver::new(body, anatomy).solve(&level).pose;
     let figure = Figure::new(body, &standing, Locks::default());
     let target = (things.hold)(0.0).map_or(level, |hold| level.holding(hold));

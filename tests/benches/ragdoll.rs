@@ -351,9 +351,7 @@ fn boxes(rig: &Rig) {
 
 /// What a tick costs, on one thread.
 fn ticks(subject: &Subject) {
-    let plants = stand::natural_plants(subject.physique.stance_width, subject.physique.com_forward);
-    let com = DVec3::Y * subject.physique.com_height;
-    let target = stand::stand_target(&subject.body, &plants, com, 0.0);
+    let target = stand::natural_stand(&subject.body, &subject.physique);
     let pose = Solver::new(&subject.body, &subject.anatomy).solve(&target).pose;
     for (name, locks, wanted) in [
         ("all joints", Locks::default(), 60),
