@@ -227,6 +227,11 @@ fn no_clip_that_stands_is_in_the_air_held_by_nothing_or_has_its_legs_in_each_oth
             .collect();
         let [mut stands, mut told] = [0; 2];
         for (index, (baked, ran)) in judged.iter().enumerate() {
+            println!(
+                "{name} {index} {:?} {}",
+                shoves(&rig, 12, [90.0, 220.0], 77)[index].push[0].force * 0.2,
+                baked.report.outcome == Outcome::Fall
+            );
             let gated = baked.warnings.iter().any(|warning| warning.starts_with(FALLS));
             let up = baked.report.outcome != Outcome::Fall;
             // A clip falls where its run does or where the gate says why it may not pass, and for nothing else.

@@ -14,7 +14,6 @@
 #![expect(clippy::print_stdout, reason = "the tables")]
 
 #[path = "batched.rs"]
-#[expect(dead_code, reason = "one plan of it is enough")]
 mod batched;
 #[path = "../common.rs"]
 mod common;
@@ -22,6 +21,7 @@ mod common;
 #[expect(dead_code, reason = "a bench wants the place alone")]
 mod data;
 #[path = "shoves.rs"]
+#[expect(dead_code, reason = "clips are made of scenarios, not of runs")]
 mod shoves;
 
 use rayon::prelude::*;
@@ -82,8 +82,9 @@ impl Made {
 
     fn told(&self, rig: &str, shove: &Shove) -> String {
         let (report, found) = (&self.report, &self.report.plausibility);
+        let [place, turn] = self.drift();
         format!(
-            "{rig} {:.0} Ns in {:.2} s towards {:.0}: {:?}{} {} steps, {:.2} s, score {:.2}, ZMP {:.3}, residual {:.3}, hover {:.2} s, legs {:.0} mm, {} pops, {:.1} degrees out of range, {:.0} Nm of help, {:?}",
+            "{rig} {:.0} Ns in {:.2} s towards {:.0}: {:?}{} {} steps, {:.2} s, score {:.2}, ZMP {:.3}, residual {:.3}, hover {:.2} s, legs {:.0} mm, {} pops, {:.1} degrees out of range, {:.0} Nm of help, drift {place:.2} mm {turn:.2} deg",
             shove.impulse(),
             shove.duration,
             shove.heading.to_degrees(),
@@ -98,8 +99,7 @@ impl Made {
             found.legs_mm,
             found.pops,
             found.joint_excess_deg,
-            report.assist.peak_nm,
-            self.drift()
+            report.assist.peak_nm
         )
     }
 }
