@@ -1,6 +1,6 @@
 //! Both feet over a whole run, as exact functions of time. Scenario space, metres, radians.
 //!
-//! Each is a [`FootPath`] in the ground's frame; here they are on the ground, which may turn, over a base clip where there is one, and
+//! Each is a `FootPath` in the ground's frame; here they are on the ground, which may turn, over a base clip where there is one, and
 //! in the legs, whose ankles let a heel come up.
 
 use super::clearance::Raise;

@@ -1,7 +1,7 @@
 //! The contact sheet of a clip: the skinned rig at its telling moments, and the film, the same at equal distances.
 //!
-//! A clip is anything that answers "which pose at t": the picture computes the body and its [`super::balance`] from the
-//! pose itself, contacts ([`super::footing`]) and pushes from the report. Where the caller knows better (the simulation's own ξ, a
+//! A clip is anything that answers "which pose at t": the picture computes the body and its `balance` from the
+//! pose itself, contacts (`footing`) and pushes from the report. Where the caller knows better (the simulation's own ξ, a
 //! measured centre of pressure) it hands in an overlay.
 
 use super::balance::{centre_of_mass, extrapolated, pushes, trail};

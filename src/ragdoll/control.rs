@@ -2,7 +2,7 @@
 //!
 //! Tasks (centre of mass, pelvis, feet, trunk, arms) are wanted accelerations. The contact forces that serve them best and
 //! that the soles can give fix the pelvis's acceleration; inverse dynamics turns it all into joint torques, given to the
-//! world as springs whose rests meet them at the end of the tick, so that what is not foreseen is resisted.
+//! world as springs whose rests meet them at the end of the tick, so that what is not foreseen is resisted (`joints`).
 
 use super::dynamics::{Acceleration, LegMap, Motion};
 use super::figure::Figure;

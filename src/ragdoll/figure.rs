@@ -2,7 +2,8 @@
 //!
 //! Metres, kilograms, scenario axes. A link's frame has its origin at the joint to its parent and the scenario's axes in the
 //! stand, so a link's rotation is its turn from the stand. Joints follow the 30 degrees of freedom of the method's table;
-//! a joint of two angles is a ball with a stiff third, for the engine knows joints of one and of three. Knows no engine.
+//! a joint of two angles is a ball with a stiff third, for the engine knows joints of one and of three. Knows no engine. Masses and
+//! boxes are worked out in `bulk`.
 
 use super::sole;
 use super::toes;

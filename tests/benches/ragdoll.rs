@@ -1,5 +1,6 @@
 //! The table of the articulated body: seeded pushes of the paper's range on the trunk, five bins of impulse, root-free and with
-//! the least help that recovers; standing, platforms, walks, balls, a box; what a tick costs. What clips come of such pushes, `clips.rs` prints.
+//! the least help that recovers; standing, platforms, walks, balls, a box; what a tick costs. `clips.rs` prints what clips come of
+//! such pushes.
 //!
 //! `cargo bench --bench ragdoll` prints it all for the built-in rig and the middle bins for two rigs that nobody here made, where
 //! their files are there: 64 pushes a bin on seeds that nothing was tuned on, about a minute on two free cores. Words after `--`: a
