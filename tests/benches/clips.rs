@@ -5,7 +5,7 @@
 //! `grid` six rigs x 8 directions x 30, 60 and 120 Ns as `--drive ragdoll` does, by what nobody should see in a clip;
 //! `batch` clips a second; `same` one scenario six times, byte by byte.
 //! A number is that of shoves a bin, any other word a part of a rig's name; `scaled`: shoves are as large for each body as they are for
-//! 89.5 kg; `-v`: each clip on a line. Rigs that nobody here made are left out where their files are not there.
+//! 89.5 kg; `-v`: each clip on a line. All of it takes some minutes. Rigs that nobody here made are left out where their files are not there.
 //!
 //! Seconds are of one thread, from the scenario to the bytes of the files, and hold for the profile that the first line names: `cargo
 //! bench` builds as `cargo install` does. `cargo test --bench clips` builds the tests' profile, whose code is slower and checks more; all
