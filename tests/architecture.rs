@@ -91,7 +91,12 @@ fn code_of(text: &str) -> String {
 
 /// The code before the unit tests at the bottom of a file.
 fn without_tests(code: &str) -> &str {
-    code.find("#[cfg(test)]\nmod tests").map_or(code, |start| &code[..start])
+    let head = "#[cfg(test)]\n";
+    let is_here = |at: &usize| {
+        let line = code[at + head.len()..].lines().next().unwrap_or_default();
+        line.split(' ').any(|word| word == "mod") && line.contains('{')
+    };
+    code.match_indices(head).map(|(at, _)| at).find(is_here).map_or(code, |start| &code[..start])
 }
 
 fn folder_of(path: &str) -> Option<&str> {
@@ -220,6 +225,10 @@ fn shape_violations(files: &[Source]) -> Vec<String> {
         if file.text.lines().count() > 500 {
             complain("over 500 lines: split it");
         }
+        let code = without_tests(&file.code).lines().filter(|line| !line.trim().is_empty()).count();
+        if code > 400 && file.path.starts_with("src/") {
+            complain("over 400 lines of code: split it by job");
+        }
         for unfinished in ["todo!(", "unimplemented!(", "#[ignore"] {
             if file.code.contains(unfinished) {
                 complain(&format!("`{unfinished}`: finish it or take it out"));
@@ -326,13 +335,21 @@ fn a_headless_an_endless_and_an_unfinished_file_are_caught() {
     for planted in [
         "use std::io;\n".to_owned(),
         format!("{head}{}", "// line\n".repeat(500)),
+        format!("{head}{}", "use std::io;\n".repeat(401)),
         format!("{head}fn f() {{ todo!() }}"),
         format!("{head}fn f() {{ unimplemented!(\"later\") }}"),
         format!("{head}#[test]\n#[ignore = \"slow\"]\nfn f() {{}}"),
     ] {
         assert_eq!(shape_violations(&[source("src/a/b.rs", &planted)]).len(), 1, "{planted:.60}");
     }
-    assert!(shape_violations(&[source("src/a/b.rs", &format!("{head}// todo!() is not code"))]).is_empty());
+    let tests = format!("#[cfg(test)]\npub(super) mod tests {{\n{}}}\n", "use std::io;\n".repeat(50));
+    for fine in [
+        format!("{head}// todo!() is not code"),
+        format!("{head}{}{tests}", "use std::io; // a line\n\n".repeat(200) + &"use std::io;\n".repeat(40)),
+        format!("{head}{}{tests}", "use std::io;\n".repeat(400)),
+    ] {
+        assert_eq!(shape_violations(&[source("src/a/b.rs", &fine)]), [""; 0]);
+    }
 }
 
 #[test]

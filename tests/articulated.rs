@@ -12,7 +12,7 @@ use surefoot::model::{Body, BodyPose, Physique, Role, Terrain};
 use surefoot::ragdoll::control::Assist;
 use surefoot::ragdoll::dynamics::{Acceleration, LegMap, Motion};
 use surefoot::ragdoll::{Figure, Locks, World};
-use surefoot::sim::{Articulated, SimulateOptions, simulate_articulated};
+use surefoot::sim::{Ahead, Articulated, ArticulatedOptions, simulate_articulated};
 use surefoot::whole_body::reaction::Personality;
 use surefoot::whole_body::{Anatomy, Solver, stand};
 
@@ -21,7 +21,7 @@ const FREE: Assist = Assist { torque: 0.0, force: 0.0 };
 fn run(body: &Body, pushes: &[KnownPush], duration: f64, assist: Assist) -> Articulated {
     let anatomy = Anatomy::new(body);
     let physique: Physique = stand::physique(body, &anatomy);
-    let options = SimulateOptions { duration, extra: 0.0, ..SimulateOptions::default() };
+    let options = ArticulatedOptions { duration, extra: 0.0, ..ArticulatedOptions::default() };
     let pushes: Vec<(KnownPush, bool)> = pushes.iter().map(|push| (*push, false)).collect();
     simulate_articulated(body, &anatomy, &physique, &Terrain::flat(), &options, &pushes, assist)
         .expect("the body does not break down")
@@ -31,9 +31,7 @@ fn run(body: &Body, pushes: &[KnownPush], duration: f64, assist: Assist) -> Arti
 fn standing(body: &Body) -> (Figure, BodyPose) {
     let anatomy = Anatomy::new(body);
     let physique = stand::physique(body, &anatomy);
-    let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
-    let target = stand::stand_target(body, &plants, DVec3::Y * physique.com_height, 0.0);
-    let pose = Solver::new(body, &anatomy).solve(&target).pose;
+    let pose = Solver::new(body, &anatomy).solve(&stand::natural_stand(body, &physique)).pose;
     (Figure::new(body, &pose, Locks::default()), pose)
 }
 
@@ -150,10 +148,10 @@ fn drawn(body: &Body, first: u64, count: usize, impulse: [f64; 2]) -> Vec<KnownP
         .collect()
 }
 
-fn looking(body: &Body, push: &KnownPush, options: SimulateOptions) -> Articulated {
+fn looking(body: &Body, push: &KnownPush, options: ArticulatedOptions) -> Articulated {
     let anatomy = Anatomy::new(body);
     let physique = stand::physique(body, &anatomy);
-    let options = SimulateOptions { duration: 4.0, extra: 0.0, ..options };
+    let options = ArticulatedOptions { duration: 4.0, extra: 0.0, ..options };
     simulate_articulated(body, &anatomy, &physique, &Terrain::flat(), &options, &[(*push, false)], FREE)
         .expect("the body does not break down")
 }
@@ -163,7 +161,8 @@ fn who_looks_ahead_falls_less_and_never_acts_before_the_push_is_felt() {
     let body = builtin().body;
     let pushes = drawn(&body, 9_100, 16, [180.0, 230.0]);
     let runs = |effort: u8| -> Vec<Articulated> {
-        let options = SimulateOptions { effort, ..SimulateOptions::default() };
+        let options =
+            ArticulatedOptions { ahead: Ahead { effort, ..Ahead::default() }, ..ArticulatedOptions::default() };
         pushes.iter().map(|push| looking(&body, push, options)).collect()
     };
     let (blind, ahead) = (runs(0), runs(1));
@@ -184,7 +183,7 @@ fn what_a_joint_gives_is_bounded_with_its_spring_and_damper() {
     let body = builtin().body;
     let mut most = 0.0_f64;
     for push in drawn(&body, 9_200, 24, [100.0, 240.0]) {
-        let run = looking(&body, &push, SimulateOptions::default());
+        let run = looking(&body, &push, ArticulatedOptions::default());
         let peak = run.torque_curves.iter().flatten().copied().fold(0.0_f32, f32::max);
         assert!(peak <= 500.01 && (f64::from(peak) - run.peak_torque).abs() < 1e-9, "{peak} N m");
         most = most.max(f64::from(peak));
@@ -198,7 +197,8 @@ fn people_differ_in_when_where_or_with_which_foot_they_step() {
     let body = builtin().body;
     let push = shove(&body, 400.0, 0.2, 180.0);
     let first = |seed: u64| {
-        let options = SimulateOptions { personality: Personality::drawn(seed), seed, ..SimulateOptions::default() };
+        let options =
+            ArticulatedOptions { personality: Personality::drawn(seed), seed, ..ArticulatedOptions::default() };
         let run = looking(&body, &push, options);
         let step = run.trace.steps.first().copied().expect("it steps");
         (step.side, step.lift, step.to.ankle)
@@ -237,7 +237,10 @@ fn a_body_that_is_none_is_an_error_in_words() {
 fn who_is_to_give_up_falls_from_that_moment_on_and_not_before() {
     let body = builtin().body;
     let push = shove(&body, 300.0, 0.2, 180.0);
-    let run = |gives_up: Option<f64>| looking(&body, &push, SimulateOptions { gives_up, ..SimulateOptions::default() });
+    let run = |gives_up: Option<f64>| {
+        let ahead = Ahead { gives_up, ..Ahead::default() };
+        looking(&body, &push, ArticulatedOptions { ahead, ..ArticulatedOptions::default() })
+    };
     let (stands, falls) = (run(None), run(Some(1.3)));
     assert_eq!(stands.trace.lost, None);
     assert!((falls.trace.lost.expect("it falls") - 1.3).abs() < 1e-9, "{:?}", falls.trace.lost);

@@ -16,7 +16,7 @@ use surefoot::ragdoll::control::Assist;
 use surefoot::ragdoll::figure::Part;
 use surefoot::ragdoll::{Figure, LinkState, Locks, World};
 use surefoot::rig::Rig;
-use surefoot::sim::{Articulated, SimulateOptions, simulate_articulated};
+use surefoot::sim::{Articulated, ArticulatedOptions, simulate_articulated};
 use surefoot::whole_body::{Anatomy, Solver, stand};
 
 fn built_in() -> Rig {
@@ -54,9 +54,7 @@ fn under_balls(density: f64) -> Scenario {
 fn stands(body: &Body) -> BodyPose {
     let anatomy = Anatomy::new(body);
     let physique = stand::physique(body, &anatomy);
-    let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
-    let target = stand::stand_target(body, &plants, DVec3::Y * physique.com_height, 0.0);
-    Solver::new(body, &anatomy).solve(&target).pose
+    Solver::new(body, &anatomy).solve(&stand::natural_stand(body, &physique)).pose
 }
 
 /// m/s, the fastest joint between two poses so far apart.
@@ -311,7 +309,7 @@ fn forced(force: DVec3) -> Result<Articulated, surefoot::sim::articulated::Broke
     let anatomy = Anatomy::new(&body);
     let physique = stand::physique(&body, &anatomy);
     let push = KnownPush { start: 1.0, end: 1.2, force, at: PushPoint::Joint(body.joint(Role::Chest).unwrap_or(0)) };
-    let options = SimulateOptions { duration: 2.0, ..SimulateOptions::default() };
+    let options = ArticulatedOptions { duration: 2.0, ..ArticulatedOptions::default() };
     simulate_articulated(&body, &anatomy, &physique, &Terrain::flat(), &options, &[(push, false)], Assist::default())
 }
 

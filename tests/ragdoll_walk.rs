@@ -6,14 +6,14 @@ use surefoot::measure::{KnownPush, PushPoint};
 use surefoot::model::{Body, Physique, Role, Terrain};
 use surefoot::ragdoll::control::Assist;
 use surefoot::ragdoll::walk::Order;
-use surefoot::sim::{Articulated, SimulateOptions, Things, simulate_with};
+use surefoot::sim::{Articulated, ArticulatedOptions, Things, simulate_with};
 use surefoot::whole_body::{Anatomy, stand};
 
 /// Walks from 0.5 s to `stop` s on its own; its heading turns at `turn` rad/s from 4 s on.
 fn walk(body: &Body, speed: f64, turn: f64, stop: f64, duration: f64, pushes: &[KnownPush]) -> Articulated {
     let anatomy = Anatomy::new(body);
     let physique: Physique = stand::physique(body, &anatomy);
-    let options = SimulateOptions { duration, extra: 0.0, ..SimulateOptions::default() };
+    let options = ArticulatedOptions { duration, extra: 0.0, ..ArticulatedOptions::default() };
     let pushes: Vec<(KnownPush, bool)> = pushes.iter().map(|push| (*push, false)).collect();
     let order = |time: f64| {
         let facing = turn * (time - 4.0).max(0.0);

@@ -8,17 +8,10 @@ use crate::measure::gate::{Hindrance, LONGEST_HOVER, gate};
 use crate::model::report::Outcome;
 use crate::model::scenario::Scenario;
 use crate::rig::Rig;
+use crate::sim::Ahead;
 
-/// How a body's run is looked for.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Ahead {
-    /// 0 to 3, how far it looks ahead.
-    pub effort: u8,
-    /// How often it has been searched for before: other draws of the same seed.
-    pub again: u8,
-    /// s, when it gives balance up, whatever it could do.
-    pub gives_up: Option<f64>,
-}
+/// How a clip's warning begins whose run stood as nobody does, and fell for it.
+pub const FALLS: &str = "it falls because it could only go on as nobody does";
 
 /// Bakes the articulated body, helped like that.
 pub(super) fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions, helped: Helped) -> Result<Baked, BakeError> {
@@ -44,7 +37,7 @@ pub(super) fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions, helped
     }
     let gives_up = Some(when(&why).min(scenario.duration));
     let mut fallen = play(Helped::Within(bound), Ahead { gives_up, ..ahead })?;
-    let told = format!("it falls because it could only go on as nobody does: {why}");
+    let told = format!("{FALLS}: {why}");
     fallen.report.plausibility.notes.insert(0, told.clone());
     fallen.warnings.push(told);
     Ok(fallen)

@@ -16,6 +16,7 @@ pub mod contacts;
 mod curved;
 pub mod feet;
 mod feet_based;
+mod foot_path;
 pub mod footing;
 pub mod gated;
 mod key_times;
@@ -41,7 +42,6 @@ mod track;
 
 pub use auto::{Choice, Fall};
 pub use base::{Base, BaseError};
-pub use gated::Ahead;
 pub use keys::Curves;
 pub use perform::{Performance, perform, perform_by};
 pub use ragdoll::{Drive, Helped};
@@ -51,6 +51,7 @@ use crate::measure::Findings;
 use crate::model::scenario::Scenario;
 use crate::model::{Body, Clip, ClipReport, Prop};
 use crate::rig::Rig;
+use crate::sim::Ahead;
 use std::borrow::Cow;
 use std::sync::Arc;
 

@@ -6,7 +6,6 @@
 use super::base::{Base, Over, over::whole};
 use super::carried::{self, Carried};
 use super::contacts::{self, FootContact};
-use super::gated::Ahead;
 use super::ragdoll::{self, Drive};
 use super::throws::{self, Ball};
 use super::timeline::Timeline;
@@ -16,7 +15,7 @@ use crate::measure::joints::LegAngles;
 use crate::measure::{Frame, KnownPush, PushPoint};
 use crate::model::scenario::{Character, Feet, Scenario};
 use crate::model::{Body, Side, Terrain};
-use crate::sim::{Script, SessionPush, SimulateOptions, TickState, Trace, simulate};
+use crate::sim::{Ahead, Script, SessionPush, SimulateOptions, TickState, Trace, simulate};
 use crate::stepper::{Phase, Physique, Step, Style};
 use crate::whole_body::reaction::{Personality, Reaction, UpperAngles};
 use crate::whole_body::solve::Solved;
@@ -330,9 +329,7 @@ fn run(
     options: &SimulateOptions,
     pushes: &[(KnownPush, bool)],
 ) -> Trace {
-    let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
-    let com = DVec3::Y * physique.com_height;
-    let standing = Solver::new(body, anatomy).solve(&stand::stand_target(body, &plants, com, 0.0));
+    let standing = Solver::new(body, anatomy).solve(&stand::natural_stand(body, physique));
     let positions = standing.pose.positions(body);
     // What is carried lifts the centre of mass.
     let height = |time: f64| {
@@ -418,7 +415,7 @@ fn upper_body(
 }
 
 /// The stepper's dials from the scenario's.
-pub(super) fn style(character: &Character) -> Style {
+fn style(character: &Character) -> Style {
     Style {
         agility: character.agility,
         step_height: character.style.step_height,

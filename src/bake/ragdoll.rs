@@ -11,7 +11,7 @@ use crate::model::scenario::{GroundKind, Scenario, Walk};
 use crate::model::{Body, Load, Physique, Terrain};
 use crate::ragdoll::control::Assist;
 use crate::ragdoll::walk::{Order, WalkTuning};
-use crate::sim::{Articulated, Incoming, Script, SimulateOptions, Things, simulate_with};
+use crate::sim::{Ahead, Articulated, ArticulatedOptions, Incoming, Script, Things, simulate_with};
 use crate::stepper::Phase;
 use crate::whole_body::{Anatomy, Solver, stand};
 use glam::DVec3;
@@ -93,7 +93,7 @@ pub(super) fn run(
     anatomy: &Anatomy,
     physique: &Physique,
     scenario: &Scenario,
-    options: &SimulateOptions,
+    options: &ArticulatedOptions,
     pushes: &[(KnownPush, bool)],
     tosses: &[Toss],
     (carried, loads): (&[Carried], &[Load]),
@@ -104,9 +104,7 @@ pub(super) fn run(
         return Err(BakeError::Unplayed { parts: unplayed.join(", ") });
     }
     let terrain = Terrain::new(&scenario.ground);
-    let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
-    let target = stand::stand_target(body, &plants, DVec3::Y * physique.com_height, 0.0);
-    let standing = Solver::new(body, anatomy).solve(&target).pose;
+    let standing = Solver::new(body, anatomy).solve(&stand::natural_stand(body, physique)).pose;
     let positions = standing.positions(body);
     let ways: Vec<_> = tosses.iter().map(|toss| |aim: DVec3, facing: f64| toss.way(aim, facing)).collect();
     let incoming: Vec<Incoming> = tosses
@@ -127,19 +125,19 @@ pub(super) fn run(
     };
     let things = Things { incoming: &incoming, loads, hold: &hold, walk: &walk };
     let once = |bound: Assist, effort: u8| -> Result<Driven, BakeError> {
-        let options = SimulateOptions { effort, ..*options };
+        let options = ArticulatedOptions { ahead: Ahead { effort, ..options.ahead }, ..*options };
         let run = simulate_with(body, anatomy, physique, &terrain, &options, pushes, bound, &things)
             .map_err(|broken| BakeError::Overdone { time: broken.time, what: broken.what, mass: physique.mass })?;
         Ok(Driven { run, bound, why: None })
     };
     let scale = physique.mass / HEAVY;
     if let Helped::Within(bound) = helped {
-        return once(bound, options.effort);
+        return once(bound, options.ahead.effort);
     }
     let mut least = None;
     for bound in rungs(physique.mass) {
         // Help is for where looking ahead finds nothing.
-        let effort = if bound.torque > 0.0 { 0 } else { options.effort };
+        let effort = if bound.torque > 0.0 { 0 } else { options.ahead.effort };
         let driven = once(bound, effort)?;
         if driven.run.trace.lost.is_none() {
             return Ok(driven);

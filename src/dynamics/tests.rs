@@ -101,17 +101,22 @@ fn in_flight_momentum_is_gravitys_alone_and_energy_is_kept_the_better_the_shorte
     );
 }
 
+/// m, the centre of mass.
+fn centre(body: &Articulation) -> DVec3 {
+    let (mut moment, mut mass) = (DVec3::ZERO, 0.0);
+    for (index, link) in body.tree.links.iter().enumerate() {
+        let (origin, turn) = body.place(index);
+        moment += link.mass * (origin + turn * link.centre);
+        mass += link.mass;
+    }
+    moment / mass
+}
+
 #[test]
 fn in_flight_the_turning_momentum_about_the_centre_of_mass_stays() {
     let about = |body: &Articulation| {
-        let (mut moment, mut mass) = (DVec3::ZERO, 0.0);
-        for (index, link) in body.tree.links.iter().enumerate() {
-            let (origin, turn) = body.place(index);
-            moment += link.mass * (origin + turn * link.centre);
-            mass += link.mass;
-        }
         let momentum = body.momentum();
-        momentum.angular - (moment / mass).cross(momentum.linear)
+        momentum.angular - centre(body).cross(momentum.linear)
     };
     let mut drift = Vec::new();
     for dt in [1e-3, 2.5e-4] {
@@ -250,6 +255,7 @@ fn what_the_ground_gives_is_what_the_body_gains_at_rest_and_on_a_platform_that_t
         let mut body = upright(half);
         let mut around = Around::default();
         let (mut off, mut gained, mut given) = (DVec3::ZERO, 0.0_f64, 0.0_f64);
+        let (mut turned_off, mut turned, mut twisted) = (DVec3::ZERO, 0.0_f64, 0.0_f64);
         for tick in 0..300 {
             let tilt = |time: f64| DQuat::from_rotation_z(most * (3.0 * time).sin());
             let time = f64::from(tick) * dt;
@@ -259,7 +265,9 @@ fn what_the_ground_gives_is_what_the_body_gains_at_rest_and_on_a_platform_that_t
             }
             let before = body.momentum();
             let spin = (tilt(time + dt) * tilt(time).inverse()).to_scaled_axis() / dt;
+            let mut weighed = DVec3::ZERO; // N m s, the weight's about the world's origin
             body.step(&mut around, dt, 2, &mut |body, loose, share, touches| {
+                weighed += centre(body).cross(DVec3::NEG_Y * (mass * G * 0.5 * dt));
                 let normal = tilt(time + share * dt) * DVec3::Y;
                 corners(half, normal, 0.9)(body, loose, share, touches);
                 touches.iter_mut().for_each(|touch| touch.surface = spin.cross(touch.at));
@@ -268,10 +276,19 @@ fn what_the_ground_gives_is_what_the_body_gains_at_rest_and_on_a_platform_that_t
             let gain = body.momentum().linear - before.linear;
             off = off.max((gain + DVec3::Y * (mass * G * dt) - pressed).abs());
             (gained, given) = (gained.max(gain.length()), given.max(pressed.length()));
+            // And their moments about the world's origin, N m s: no force acts beside where it is said to.
+            let moment: DVec3 = around.met.iter().map(|met| met.touch.at.cross(met.impulse)).sum();
+            let gain = body.momentum().angular - before.angular;
+            turned_off = turned_off.max((gain - weighed - moment).abs());
+            (turned, twisted) = (turned.max(gain.length()), twisted.max(moment.length()));
         }
         assert!(body.place(2).1.angle_between(DQuat::IDENTITY) < 0.3, "it stands: {:?}", body.place(2));
         assert!(given > 0.9 * mass * G * dt && (most == 0.0 || gained > 0.1), "{given} N s, {gained} N s");
         assert!(off.max_element() < 1e-9 * mass * G * dt, "tilted by {most}: {off} N s of {given} are from nowhere");
+        assert!(most == 0.0 || turned > 0.1, "it turns: {turned} N m s");
+        // The weight's own about a lever of 1 m.
+        let least = 1e-9 * mass * G * dt;
+        assert!(turned_off.max_element() < least, "tilted by {most}: {turned_off} N m s of {twisted} are from nowhere");
     }
 }
 

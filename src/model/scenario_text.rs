@@ -4,15 +4,14 @@
 //! Where the TOML itself is broken only the faults of syntax are told, since what follows a broken line is guesswork;
 //! otherwise every fault of the document is, unknown keys and wrong types here, the rest by [`Scenario::validate`].
 
-use super::role::Role;
 use super::scenario::{
-    Base, Carry, Character, Crouch, Direction, Feet, Ground, GroundKind, Marker, Push, Scenario, Stand, Style, Throw,
-    Turn, Walk,
+    Base, Carry, Character, Crouch, Feet, Ground, GroundKind, Marker, Push, Scenario, Stand, Style, Throw, Turn, Walk,
 };
 use super::scenario_errors::{ScenarioErrors, ScenarioSource, TextFault};
+use super::scenario_forms::{direction, mass_curve, radius, role};
 use super::scenario_reader::Reader;
 use glam::DVec3;
-use toml::de::{DeTable, DeValue};
+use toml::de::DeTable;
 
 /// Reads a scenario. `name` is the file's, for messages and for a missing title.
 pub fn parse(name: &str, text: &str) -> Result<Scenario, ScenarioErrors> {
@@ -198,57 +197,6 @@ fn force(entry: &mut Reader<'_, '_>, bone: &str) -> Push {
     }
 }
 
-/// front, back, left, right, degrees, or three numbers.
-fn direction(entry: &mut Reader<'_, '_>, key: &'static str) -> Direction {
-    const NAMES: [(&str, Direction); 4] = [
-        ("front", Direction::Front),
-        ("back", Direction::Back),
-        ("left", Direction::Left),
-        ("right", Direction::Right),
-    ];
-    const FORMS: &str = "give \"front\", \"back\", \"left\", \"right\", degrees (90 is its left), or [x, y, z]";
-    match entry.peek(key) {
-        None => entry.missing(key, FORMS),
-        Some(DeValue::String(_)) => return entry.choice(key, &NAMES).unwrap_or(Direction::Front),
-        Some(DeValue::Array(_)) => {
-            return entry.numbers::<3>(key).map_or(Direction::Front, |xyz| Direction::Vector(DVec3::from_array(xyz)));
-        }
-        Some(DeValue::Integer(_) | DeValue::Float(_)) => {
-            return entry.degrees(key).map_or(Direction::Front, Direction::Heading);
-        }
-        Some(_) => entry.wrong_type(key, "a direction", FORMS),
-    }
-    Direction::Front
-}
-
-/// A humanoid bone by its VRM name.
-fn role(entry: &mut Reader<'_, '_>, default: &str) -> Role {
-    let names: Vec<(&str, Role)> = Role::ALL.iter().map(|role| (role.name(), *role)).collect();
-    let default = Role::from_name(default).unwrap_or(Role::Hips);
-    entry.choice("at", &names).unwrap_or(default)
-}
-
-/// One radius, or the least and the greatest.
-fn radius(entry: &mut Reader<'_, '_>) -> [f64; 2] {
-    match entry.peek("radius") {
-        None => [0.08, 0.2],
-        Some(DeValue::Array(_)) => entry.numbers::<2>("radius").unwrap_or([0.1, 0.1]),
-        Some(_) => entry.number("radius").map_or([0.1, 0.1], |radius| [radius, radius]),
-    }
-}
-
-/// Kilograms, or (s, kg) points.
-fn mass_curve(entry: &mut Reader<'_, '_>) -> Vec<[f64; 2]> {
-    match entry.peek("mass") {
-        None => {
-            entry.missing("mass", "give kilograms, or [[seconds, kilograms], ...]");
-            vec![[0.0, 1.0]]
-        }
-        Some(DeValue::Array(_)) => entry.points("mass").unwrap_or_else(|| vec![[0.0, 1.0]]),
-        Some(_) => vec![[0.0, entry.number("mass").unwrap_or(1.0)]],
-    }
-}
-
 /// "dir/shove_left.toml" -> "shove_left".
 pub(super) fn title_from(name: &str) -> String {
     let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
@@ -326,22 +274,6 @@ mod tests {
     fn an_empty_text_is_four_seconds_of_standing_named_after_the_file() {
         let scenario = parse("dir/calm day.toml", "").expect("nothing is required");
         assert_eq!(scenario, Scenario { title: "calm day".to_owned(), ..Scenario::default() });
-    }
-
-    #[test]
-    fn every_form_of_a_direction_is_read() {
-        let forms = [
-            ("\"back\"", Direction::Back),
-            ("180", Direction::Heading(180.0_f64.to_radians())),
-            ("-45.5", Direction::Heading((-45.5_f64).to_radians())),
-            ("[1, 0.0, -2]", Direction::Vector(DVec3::new(1.0, 0.0, -2.0))),
-        ];
-        for (form, direction) in forms {
-            let text = format!("[[push]]\nstart = 1\nduration = 0.1\nforce = 100\ntoward = {form}\n");
-            let scenario = parse("x.toml", &text).unwrap_or_else(|errors| panic!("{errors}"));
-            assert_eq!(scenario.push[0].toward, direction);
-            assert_eq!(scenario.push[0].at, Role::Chest);
-        }
     }
 
     #[test]

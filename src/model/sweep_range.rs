@@ -3,7 +3,7 @@
 //! Steps of whole numbers are whole numbers where they come out so. Values are rounded to 12 digits: what a person would write.
 
 use super::sweep::{AxisValues, Choice};
-use super::sweep_text::owned;
+use super::sweep_axes::owned;
 use toml::Value;
 use toml::de::DeTable;
 

@@ -5,15 +5,12 @@
 use super::scenario_errors::{Fault, ScenarioErrors, ScenarioSource};
 use super::scenario_reader::Reader;
 use super::scenario_text::{syntax_fault, title_from};
-use super::sweep::{
-    Axis, AxisPath, AxisValues, BakeSettings, Choice, Combine, Condition, ENGINES, Input, Skip, Sweep, Test,
-};
+use super::sweep::{Axis, AxisPath, AxisValues, Combine, Input, Sweep};
+use super::sweep_axes::{linked, skip, values};
+use super::sweep_bake::bake_settings;
 use std::ops::Range;
+use toml::Spanned;
 use toml::de::{DeTable, DeValue};
-use toml::{Spanned, Value};
-
-/// Rows of one axis at most.
-const LONGEST_AXIS: usize = 1_000_000;
 
 /// Reads a sweep. `name` is the file's, for messages.
 pub fn read(name: &str, text: &str) -> Result<(Sweep, ScenarioSource), ScenarioErrors> {
@@ -42,13 +39,13 @@ pub fn example_text() -> &'static str {
 
 /// Faults of what the reader does not know by name, and the places of it.
 #[derive(Default)]
-struct Rules {
+pub(super) struct Rules {
     faults: Vec<Fault>,
-    places: Vec<(String, Range<usize>)>,
+    pub(super) places: Vec<(String, Range<usize>)>,
 }
 
 impl Rules {
-    fn fault(&mut self, path: &str, message: impl Into<String>, remedy: &str) {
+    pub(super) fn fault(&mut self, path: &str, message: impl Into<String>, remedy: &str) {
         self.faults.push(Fault { path: path.into(), message: message.into(), remedy: remedy.into() });
     }
 }
@@ -181,136 +178,6 @@ fn tables_of<'r, 'i>(root: &mut Reader<'r, 'i>, key: &'static str, rules: &mut R
     tables
 }
 
-/// Several paths whose values go together.
-fn linked(index: usize, table: &DeTable<'_>, rules: &mut Rules) -> Option<Axis> {
-    let mut entries: Vec<_> = table.iter().collect();
-    entries.sort_by_key(|(key, _)| key.span().start);
-    let mut paths = Vec::new();
-    let mut columns: Vec<Vec<Choice>> = Vec::new();
-    for (key, value) in entries {
-        let path = key.get_ref().to_string();
-        let place = format!("linked.{index}.{path}");
-        rules.places.push((place.clone(), value.span()));
-        match values(value, &place, rules) {
-            AxisValues::Rows(rows) => columns.push(rows.into_iter().flatten().collect()),
-            AxisValues::Between { .. } => {
-                rules.fault(&place, "linked values are counted", "give count or step, or a list");
-                return None;
-            }
-        }
-        paths.push(AxisPath { path, place });
-    }
-    let length = columns[0].len();
-    if let Some((column, path)) = columns.iter().zip(&paths).find(|(column, _)| column.len() != length) {
-        let message = format!("has {} values, `{}` beside it {length}", column.len(), paths[0].path);
-        rules.fault(&path.place, message, "linked values go row by row: give each as many");
-        return None;
-    }
-    let row = |row: usize| columns.iter().map(|column| column[row].clone()).collect();
-    Some(Axis { paths, values: AxisValues::Rows((0..length).map(row).collect()) })
-}
-
-/// A list, or a range.
-fn values(value: &Spanned<DeValue<'_>>, place: &str, rules: &mut Rules) -> AxisValues {
-    const FORMS: &str = "give a list, { from, to, count }, { from, to, step }, or, with [sample], { from, to }; scale = \"log\" for logarithmic steps";
-    let nothing = AxisValues::Rows(vec![vec![Choice { value: Value::Integer(0), name: None }]]);
-    match value.get_ref() {
-        DeValue::Array(list) if list.iter().next().is_none() => {
-            rules.fault(place, "an empty list", FORMS);
-            nothing
-        }
-        DeValue::Array(list) => {
-            let mut rows = Vec::with_capacity(list.len());
-            for (index, entry) in list.iter().enumerate() {
-                rules.places.push((format!("{place}.{index}"), entry.span()));
-                rows.push(vec![choice(entry.get_ref())]);
-            }
-            AxisValues::Rows(rows)
-        }
-        DeValue::Table(table) => match super::sweep_range::range(table) {
-            Ok(AxisValues::Rows(rows)) if rows.len() > LONGEST_AXIS => {
-                rules.fault(place, format!("{} steps are too many", rows.len()), "give fewer");
-                nothing
-            }
-            Ok(values) => values,
-            Err((message, remedy)) => {
-                rules.fault(place, message, remedy.unwrap_or(FORMS));
-                nothing
-            }
-        },
-        _ => {
-            rules.fault(place, "one value does not vary", FORMS);
-            nothing
-        }
-    }
-}
-
-/// A value, or `{ name, value }`.
-fn choice(value: &DeValue<'_>) -> Choice {
-    if let DeValue::Table(table) = value
-        && table.len() == 2
-        && let (Some(name), Some(value)) = (table.get("name"), table.get("value"))
-        && let DeValue::String(name) = name.get_ref()
-    {
-        return Choice { value: owned(value.get_ref()), name: Some(name.to_string()) };
-    }
-    Choice { value: owned(value), name: None }
-}
-
-/// A value without its places. Numbers that do not fit become text, which no scenario takes for a number.
-pub(super) fn owned(value: &DeValue<'_>) -> Value {
-    match value {
-        DeValue::String(text) => Value::String(text.to_string()),
-        DeValue::Integer(number) => match i64::from_str_radix(number.as_str(), number.radix()) {
-            Ok(number) => Value::Integer(number),
-            Err(_) => Value::String(number.as_str().to_owned()),
-        },
-        DeValue::Float(number) => match number.as_str().parse() {
-            Ok(number) => Value::Float(number),
-            Err(_) => Value::String(number.as_str().to_owned()),
-        },
-        DeValue::Boolean(truth) => Value::Boolean(*truth),
-        DeValue::Datetime(time) => Value::Datetime(*time),
-        DeValue::Array(list) => Value::Array(list.iter().map(|entry| owned(entry.get_ref())).collect()),
-        DeValue::Table(table) => {
-            Value::Table(table.iter().map(|(key, entry)| (key.get_ref().to_string(), owned(entry.get_ref()))).collect())
-        }
-    }
-}
-
-fn skip(index: usize, table: &DeTable<'_>, rules: &mut Rules) -> Skip {
-    let place = format!("skip.{index}");
-    let mut conditions = Vec::new();
-    for (key, value) in table.iter() {
-        let path = key.get_ref().to_string();
-        let place = format!("{place}.{path}");
-        rules.places.push((place.clone(), value.span()));
-        let number = |value: &Spanned<DeValue<'_>>| match owned(value.get_ref()) {
-            Value::Integer(number) => Some(number as f64),
-            Value::Float(number) => Some(number),
-            _ => None,
-        };
-        let test = match value.get_ref() {
-            DeValue::Array(list) => Test::OneOf(list.iter().map(|entry| owned(entry.get_ref())).collect()),
-            DeValue::Table(table) => {
-                let known = table.iter().all(|(key, _)| ["above", "below"].contains(&key.get_ref().as_ref()));
-                let (above, below) = (table.get("above").and_then(number), table.get("below").and_then(number));
-                if !known || above.is_none() && below.is_none() {
-                    rules.fault(
-                        &place,
-                        "not a test",
-                        "give a value, a list of values, { above = 300 } or { below = 100 }",
-                    );
-                }
-                Test::Within { above, below }
-            }
-            one => Test::OneOf(vec![owned(one)]),
-        };
-        conditions.push(Condition { path, place, test });
-    }
-    Skip { conditions, place }
-}
-
 fn combine(root: &mut Reader<'_, '_>, axes: &[Axis], rules: &mut Rules) -> Combine {
     let ordered = root.choice("combine", &[("product", Combine::Product), ("zip", Combine::Zip)]);
     let sampled = root.table("sample").map(|mut table| {
@@ -350,53 +217,6 @@ fn combine(root: &mut Reader<'_, '_>, axes: &[Axis], rules: &mut Rules) -> Combi
         }
     }
     sampled.or(ordered).unwrap_or(Combine::Product)
-}
-
-/// How keys are joined.
-const CURVES: [&str; 2] = ["linear", "spline"];
-
-fn bake_settings(mut table: Reader<'_, '_>) -> BakeSettings {
-    let default = BakeSettings::default();
-    let words = |words: [&'static str; 3]| words.map(|word| (word, word));
-    let settings = BakeSettings {
-        fps: table.number_within("fps", (1.0, 240.0), "frames a second").unwrap_or(default.fps),
-        root: table.choice("root", &words(["root", "hips", "in-place"])).unwrap_or(default.root),
-        drive: table.choice("drive", &words(["auto", "stepper", "ragdoll"])).unwrap_or(default.drive),
-        assist: match table.peek("assist") {
-            Some(DeValue::Array(_)) => table.numbers::<2>("assist"),
-            Some(DeValue::String(_)) => {
-                table.choice("assist", &[("auto", None), ("off", Some([0.0, 0.0]))]).unwrap_or(None)
-            }
-            Some(_) => table.number("assist").map(|torque| [torque, 0.0]),
-            None => None,
-        },
-        props: table.truth("props").unwrap_or(default.props),
-        looped: table.truth("loop").unwrap_or(default.looped),
-        curves: table.choice("curves", &CURVES.map(|word| (word, word))).unwrap_or(default.curves),
-        only_animation: table.truth("only_animation").unwrap_or(default.only_animation),
-        contact_nodes: table.truth("contact_nodes").unwrap_or(default.contact_nodes),
-        format: table
-            .choice("format", &super::FileKind::ALL.map(|kind| (kind.ending(), kind)))
-            .unwrap_or(default.format),
-        engines: engines(&mut table),
-    };
-    if settings.assist.is_some_and(|limits| limits.iter().any(|limit| *limit < 0.0)) {
-        table.wrong_type("assist", "a limit of 0 or more", "give \"auto\", \"off\", Nm, or [Nm, N], none under 0");
-    }
-    table.finish();
-    settings
-}
-
-/// One name or a list of them.
-fn engines(table: &mut Reader<'_, '_>) -> Vec<&'static str> {
-    let named = ENGINES.map(|name| (name, name));
-    let Some(value) = table.peek("engine") else { return Vec::new() };
-    let DeValue::Array(list) = value else { return table.choice("engine", &named).into_iter().collect() };
-    let wanted: Vec<&str> = list.iter().filter_map(|entry| entry.get_ref().as_str()).collect();
-    if wanted.len() != list.len() || wanted.iter().any(|name| !ENGINES.contains(name)) {
-        table.wrong_type("engine", "names of engines", &format!("give some of {}", ENGINES.join(", ")));
-    }
-    ENGINES.into_iter().filter(|name| wanted.contains(name)).collect()
 }
 
 #[cfg(test)]

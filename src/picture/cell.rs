@@ -8,10 +8,11 @@ use super::compose::{self, Frame, Grain, picture};
 use super::marks::{self, Overlay, SoleMark};
 use super::moments::{Moment, choose_moments};
 use super::raster::Camera;
-use super::sheet::{self, SheetInput};
+use super::sheet::SheetInput;
 use super::skin::{surfaces, transforms_of_globals};
 use super::stage::Stage;
 use super::text::{self, Face, Pen};
+use super::{balance, footing};
 use crate::model::report::Part;
 use crate::model::{Clip, ClipReport, Prop, Side};
 use crate::rig::Rig;
@@ -90,25 +91,25 @@ fn telling(input: &SheetInput) -> Vec<Moment> {
 
 /// When the centre of mass is the farthest from where it was hit, within two seconds.
 fn farthest(input: &SheetInput, from: f64, end: f64) -> f64 {
-    let start = sheet::com_at(input, from);
+    let start = balance::com_at(input, from);
     let span = (end - from).clamp(0.0, 2.0);
     let times = (1..=24).map(|at| from + span * f64::from(at) / 24.0);
-    let far = times.map(|time| (sheet::com_at(input, time).distance(start), time));
+    let far = times.map(|time| (balance::com_at(input, time).distance(start), time));
     far.filter(|(far, _)| far.is_finite()).max_by(|a, b| a.0.total_cmp(&b.0)).map_or(from, |(_, time)| time)
 }
 
 fn frame<'a>(input: &SheetInput<'a>, moment: &Moment) -> Frame<'a> {
     let time = moment.time;
     let transforms = (input.pose)(time);
-    let held = Side::BOTH.into_iter().filter_map(|side| sheet::contact_at(input.report, side, time));
+    let held = Side::BOTH.into_iter().filter_map(|side| footing::contact_at(input.report, side, time));
     let soles = held.map(|contact| {
-        let mark = sheet::sole(input.rig, contact.foot, contact.part, &transforms);
-        sheet::laid(input, contact, time, mark)
+        let mark = footing::sole(input.rig, contact.foot, contact.part, &transforms);
+        footing::laid(input, contact, time, mark)
     });
     let overlay = Overlay {
-        com: Some(sheet::centre_of_mass(input.rig, &transforms)),
+        com: Some(balance::centre_of_mass(input.rig, &transforms)),
         soles: soles.collect(),
-        pushes: sheet::pushes(input, time, &transforms),
+        pushes: balance::pushes(input, time, &transforms),
         ..Overlay::default()
     };
     let surfaces = surfaces(input.rig, &transforms);

@@ -4,6 +4,7 @@
 //! body alone, as capsules. Below them: [`skin`] poses a rig's mesh, [`compose`] lays out a page of [`Frame`]s,
 //! [`marks`] draws what is known of the balance, [`raster`] draws triangles. [`clip_plot()`] draws a run's curves by [`plot`].
 
+mod balance;
 pub mod cell;
 pub mod clip_plot;
 pub mod compose;
@@ -11,6 +12,7 @@ pub mod coverage;
 mod coverage_marks;
 mod coverage_wedges;
 pub mod figure;
+mod footing;
 pub mod grid;
 pub mod ground;
 pub mod marks;

@@ -1,19 +1,19 @@
 //! The contact sheet of a clip: the skinned rig at its telling moments, and the film, the same at equal distances.
 //!
-//! A clip is anything that answers "which pose at t": the picture computes the body, its centre of mass and ξ = c + v/ω
-//! from the pose itself, contacts and pushes from the report. Where the caller knows better (the simulation's own ξ, a
+//! A clip is anything that answers "which pose at t": the picture computes the body and its [`super::balance`] from the
+//! pose itself, contacts ([`super::footing`]) and pushes from the report. Where the caller knows better (the simulation's own ξ, a
 //! measured centre of pressure) it hands in an overlay.
 
-use super::compose::{Frame, Header, Layout, Trail, page};
-use super::figure::flat;
-use super::marks::{Overlay, Push, SoleMark, sole_mark};
+use super::balance::{centre_of_mass, extrapolated, pushes, trail};
+use super::compose::{Frame, Header, Layout, page};
+use super::footing::{Spell, contact_at, laid, prints, sole, spells};
+use super::marks::Overlay;
 use super::moments::{Moment, even_moments};
-use super::skin::{NodeTransforms, body_pose, surfaces};
+use super::skin::{NodeTransforms, surfaces};
 use super::stage::Stage;
-use crate::model::report::{Contact, Outcome, Part};
-use crate::model::{ClipReport, Prop, Role, Side};
+use crate::model::report::Outcome;
+use crate::model::{ClipReport, Prop, Side};
 use crate::rig::Rig;
-use glam::{DQuat, DVec2, DVec3};
 use image::RgbaImage;
 
 /// What a sheet is made from.
@@ -34,11 +34,6 @@ pub struct SheetInput<'a> {
     pub layout: Layout,
 }
 
-/// m/s².
-const GRAVITY: f64 = 9.81;
-/// s, for the velocity of the centre of mass.
-const STEP: f64 = 0.012;
-
 /// The sheet.
 pub fn sheet(input: &SheetInput) -> RgbaImage {
     let spells = spells(input);
@@ -52,38 +47,6 @@ pub fn film(input: &SheetInput, count: usize) -> RgbaImage {
     let moments = even_moments(input.report.duration, count.clamp(2, 200));
     let SheetInput { rig, pose, report, overlay, props, .. } = *input;
     sheet(&SheetInput { rig, pose, report, overlay, props, moments, layout })
-}
-
-/// A foot's unbroken time on the ground and the print that it leaves.
-struct Spell {
-    side: Side,
-    end: f64,
-    made: f64, // s, the moment of `print`
-    print: SoleMark,
-}
-
-/// How the ground is turned at a time.
-fn turn(input: &SheetInput, time: f64) -> DQuat {
-    input.props.iter().find(|prop| prop.ground).map_or(DQuat::IDENTITY, |prop| prop.at(time).rotation)
-}
-
-/// A mark turned about the origin.
-fn carried(mark: &SoleMark, turn: DQuat) -> SoleMark {
-    let all = |points: &[DVec3]| points.iter().map(|point| turn * *point).collect();
-    SoleMark { whole: all(&mark.whole), held: all(&mark.held), ..*mark }
-}
-
-/// A mark on the plane of its contact.
-pub(super) fn laid(input: &SheetInput, contact: &Contact, time: f64, mark: SoleMark) -> SoleMark {
-    let similarity = &input.rig.document_from_scenario;
-    let turn = if contact.frame == "platform" { turn(input, time) } else { DQuat::IDENTITY };
-    let point = turn * similarity.inverse_point(DVec3::from(contact.position));
-    let normal = turn * (similarity.rotation.inverse() * DVec3::from(contact.normal));
-    if !(point + normal).is_finite() || normal.y < 0.1 {
-        return mark;
-    }
-    let down = |at: &DVec3| DVec3::new(at.x, point.y - flat(normal).dot(flat(*at - point)) / normal.y, at.z);
-    SoleMark { whole: mark.whole.iter().map(down).collect(), held: mark.held.iter().map(down).collect(), ..mark }
 }
 
 fn frame<'a>(input: &SheetInput<'a>, spells: &[Spell], moment: &Moment) -> Frame<'a> {
@@ -113,140 +76,10 @@ fn frame<'a>(input: &SheetInput<'a>, spells: &[Spell], moment: &Moment) -> Frame
         overlay.prints = known.prints;
     }
     if overlay.prints.is_empty() {
-        let past =
-            spells.iter().filter(|spell| spell.end < time && contact_end(input.report, spell.side, time) != spell.end);
-        // Prints on a platform turn on with it.
-        let turned = |spell: &Spell| carried(&spell.print, turn(input, time) * turn(input, spell.made).inverse());
-        overlay.prints = past.map(turned).collect();
+        overlay.prints = prints(input, spells, time);
     }
     let stage = Stage::at(input.props, time);
     Frame { time, label: moment.label.clone(), surfaces: surfaces(input.rig, &transforms), overlay, stage }
-}
-
-/// The end of the contact of that foot at that time; NaN in the air.
-fn contact_end(report: &ClipReport, side: Side, time: f64) -> f64 {
-    contact_at(report, side, time).map_or(f64::NAN, |contact| contact.end)
-}
-
-/// The latest contact of a foot that holds at that time.
-pub(super) fn contact_at(report: &ClipReport, side: Side, time: f64) -> Option<&Contact> {
-    let holds = |contact: &&Contact| contact.foot == side && contact.start <= time + 1e-6 && time <= contact.end + 1e-6;
-    report.contacts.iter().filter(holds).max_by(|a, b| a.start.total_cmp(&b.start))
-}
-
-/// Contacts that follow each other without a gap leave one print, taken where the foot is flat if it ever is.
-fn spells(input: &SheetInput) -> Vec<Spell> {
-    let mut spells = Vec::new();
-    for side in Side::BOTH {
-        let mut own: Vec<&Contact> = input.report.contacts.iter().filter(|contact| contact.foot == side).collect();
-        own.sort_by(|a, b| a.start.total_cmp(&b.start));
-        let mut at = 0;
-        while at < own.len() {
-            let mut last = at;
-            while last + 1 < own.len() && own[last + 1].start <= own[last].end + 2e-3 {
-                last += 1;
-            }
-            let length = |contact: &&&Contact| (contact.part == Part::Flat, contact.end - contact.start);
-            let best = own[at..=last].iter().max_by(|a, b| {
-                let (a, b) = (length(a), length(b));
-                a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
-            });
-            if let Some(best) = best {
-                let made = (best.start + best.end) / 2.0;
-                let print = laid(input, best, made, sole(input.rig, side, Part::Flat, &(input.pose)(made)));
-                spells.push(Spell { side, end: own[last].end, made, print });
-            }
-            at = last + 1;
-        }
-    }
-    spells
-}
-
-/// The sole of a foot where its nodes have it.
-pub(super) fn sole(rig: &Rig, side: Side, part: Part, transforms: &NodeTransforms) -> SoleMark {
-    let body = &rig.body;
-    let shape = &body.feet[side as usize];
-    let moves =
-        |joint: usize| rig.joint_nodes.get(joint).copied().flatten().and_then(|node| transforms.get(node)).copied();
-    let ankle_rest = body.joints.get(shape.ankle).map_or(DVec3::ZERO, |joint| joint.rest);
-    // A foot that was extrapolated moves with the shin.
-    let mut joint = Some(shape.ankle);
-    let mut rear = None;
-    while let (None, Some(at)) = (rear, joint) {
-        rear = moves(at);
-        joint = body.joints.get(at).and_then(|joint| joint.parent);
-    }
-    let rear = rear.unwrap_or(glam::DAffine3::IDENTITY);
-    let front = shape.toe.and_then(moves).unwrap_or(rear);
-    let place_rear = |offset: DVec3| rear.transform_point3(ankle_rest + offset);
-    let place_front = |offset: DVec3| front.transform_point3(ankle_rest + offset);
-    sole_mark(body, side, part, &place_rear, &place_front)
-}
-
-pub(super) fn centre_of_mass(rig: &Rig, transforms: &NodeTransforms) -> DVec3 {
-    let pose = body_pose(rig, transforms);
-    let positions = pose.positions(&rig.body);
-    pose.centre_of_mass(&rig.body, &positions)
-}
-
-pub(super) fn com_at(input: &SheetInput, time: f64) -> DVec3 {
-    centre_of_mass(input.rig, &(input.pose)(time))
-}
-
-/// ξ from the pose's own centre of mass, m, (x, z).
-fn extrapolated(input: &SheetInput, time: f64) -> Option<DVec2> {
-    let (before, after) = ((time - STEP).max(0.0), (time + STEP).min(input.report.duration));
-    let span = after - before;
-    let com = com_at(input, time);
-    if span < 1e-6 || com.y < 0.05 {
-        return None;
-    }
-    let velocity = (com_at(input, after) - com_at(input, before)) / span;
-    let xi = flat(com) + flat(velocity) / (GRAVITY / com.y).sqrt();
-    xi.is_finite().then_some(xi)
-}
-
-/// The report's pushes at that time, on the bones that they name.
-pub(super) fn pushes(input: &SheetInput, time: f64, transforms: &NodeTransforms) -> Vec<Push> {
-    let rig = input.rig;
-    // of what is carried the box itself is seen
-    let pushes = input.report.disturbances.iter().filter(|push| push.kind != "carry");
-    let active = pushes.filter(|push| push.start <= time && time <= push.end);
-    active
-        .filter_map(|push| {
-            let document = DVec3::from(push.force);
-            let force = rig.document_from_scenario.rotation.inverse() * document;
-            let mut role = Role::from_name(&push.bone).or(Some(Role::Chest));
-            let mut joint = None;
-            while let (None, Some(at)) = (joint, role) {
-                joint = rig.body.joint(at);
-                role = at.parent();
-            }
-            let pose = body_pose(rig, transforms);
-            let point = *pose.positions(&rig.body).get(joint.unwrap_or(0))?;
-            (force.length() > 1e-6 && force.is_finite() && point.is_finite()).then_some(Push { point, force })
-        })
-        .collect()
-}
-
-/// The way of the centre of mass and ξ at 60 Hz, or as much of it as a picture can use.
-fn trail(input: &SheetInput) -> Trail {
-    if input.layout.plan == 0 {
-        return Trail::new();
-    }
-    let duration = input.report.duration.clamp(0.0, 60.0);
-    let count = ((duration * 60.0).ceil() as usize).clamp(2, 400);
-    let times: Vec<f64> = (0..=count).map(|at| duration * at as f64 / count as f64).collect();
-    let coms: Vec<DVec3> = times.iter().map(|time| com_at(input, *time)).collect();
-    (0..times.len())
-        .map(|at| {
-            let (before, after) = (at.saturating_sub(1), (at + 1).min(count));
-            let span = times[after] - times[before];
-            let velocity = if span > 0.0 { flat(coms[after] - coms[before]) / span } else { DVec2::ZERO };
-            let xi = flat(coms[at]) + velocity / (GRAVITY / coms[at].y.max(0.05)).sqrt();
-            (times[at], flat(coms[at]), Some(xi))
-        })
-        .collect()
 }
 
 /// Title, outcome and the numbers that decide; of a clip that was not baked here, which tells none, only its length and its body.
@@ -280,14 +113,14 @@ fn header(report: &ClipReport) -> Header {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::BodyPose;
+    use crate::model::{BodyPose, Role};
     use crate::picture::figure::{capsule, side_color};
     use crate::picture::moments::tests::pushed;
-    use crate::picture::skin::transforms_of_locals;
+    use crate::picture::skin::{body_pose, transforms_of_locals};
     use crate::picture::strip::tests::person;
     use crate::picture::{choose_moments, marks, png};
     use crate::rig::{Document, Mapping, MeshPart, RigNode, Similarity, Trs};
-    use glam::{DAffine3, DQuat};
+    use glam::{DAffine3, DQuat, DVec3};
 
     const TAN: [u8; 3] = [205, 150, 90];
 

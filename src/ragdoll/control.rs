@@ -5,9 +5,9 @@
 //! world as springs whose rests meet them at the end of the tick, so that what is not foreseen is resisted.
 
 use super::dynamics::{Acceleration, LegMap, Motion};
-use super::figure::{Figure, Freedom, Link, Part};
-use super::forces::{Forces, Wanted};
-use super::linear::{Factored, Matrix6};
+use super::figure::Figure;
+use super::forces::{Corner, Forces, Wanted};
+use super::joints::pelvis;
 use super::reach::Sole;
 use super::swing::Reference;
 use super::toes;
@@ -242,22 +242,11 @@ impl Controller {
         sum.0 / f64::max(sum.1, 1.0)
     }
 
-    #[expect(clippy::too_many_arguments, reason = "one tick")]
-    fn act(
-        &mut self,
-        figure: &Figure,
-        world: &mut World,
-        terrain: &Terrain,
-        xi: DVec2,
-        height: f64,
-        floor: f64,
-        dt: f64,
-    ) {
+    /// m, where the pressure would be best, and where it is to be: under the soles, and past them by what the upper body's moment makes up.
+    fn pressure(&mut self, figure: &Figure, xi: DVec2) -> (DVec2, DVec2) {
         let tuning = self.tuning;
-        let count = figure.links.len();
         let mass = self.motion.mass;
         let moving = self.swing.is_some();
-        // Where the pressure should be.
         let hull = self.bearing_hull(figure);
         let middle = self.support_middle(figure);
         let fast = (flat(self.motion.velocity).length() / self.size.sqrt() - 0.8).clamp(0.0, 1.0);
@@ -270,7 +259,12 @@ impl Controller {
         let inside = closest_point(&hull, goal).unwrap_or(middle);
         let cop = inside + (goal - inside).clamp_length_max(moment / (mass * GRAVITY));
         self.report.cop = inside;
-        // Height: as the stand, but never past the legs' reach.
+        (goal, cop)
+    }
+
+    /// m/s², how the centre of mass is to move over that pressure. Its height is the stand's, but never past the legs' reach.
+    fn carried(&mut self, figure: &Figure, terrain: &Terrain, cop: DVec2, height: f64, floor: f64, dt: f64) -> DVec3 {
+        let tuning = self.tuning;
         let aim = self.wanted_height(figure, terrain, floor);
         let most = tuning.sink * dt * self.size.sqrt();
         self.aimed += (aim - self.aimed).clamp(-most, most);
@@ -279,7 +273,25 @@ impl Controller {
             - tuning.height[1] * self.motion.velocity.y;
         let up = up.clamp(0.6 * GRAVITY, 2.0 * GRAVITY);
         let level = (flat(self.motion.com) - cop) * (up / height);
-        let linear = DVec3::new(level.x, up - GRAVITY, level.y);
+        DVec3::new(level.x, up - GRAVITY, level.y)
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "one tick")]
+    fn act(
+        &mut self,
+        figure: &Figure,
+        world: &mut World,
+        terrain: &Terrain,
+        xi: DVec2,
+        height: f64,
+        floor: f64,
+        dt: f64,
+    ) {
+        let tuning = self.tuning;
+        let mass = self.motion.mass;
+        let moving = self.swing.is_some();
+        let (goal, cop) = self.pressure(figure, xi);
+        let linear = self.carried(figure, terrain, cop, height, floor, dt);
         // Pelvis and trunk upright, towards the heading.
         if moving && !self.gait.walks() {
             self.heading += 0.03 * wrap_angle(yaw_of(self.states[0].turn) - self.heading);
@@ -291,66 +303,15 @@ impl Controller {
         };
         let angular = turn(0, facing, tuning.pelvis, tuning.pelvis_most);
         let trunk = turn(figure.trunk, facing, tuning.trunk, 60.0);
-        // Joints that are free to be posed: back to the stand.
-        self.relative.clear();
-        self.relative.resize(count, DVec3::ZERO);
-        for index in 1..count {
-            let link = &figure.links[index];
-            let parent = link.parent.unwrap_or(0);
-            let [angle, rate, quickens] = self.against_legs(figure, index);
-            let axis = if index == figure.trunk { DVec3::Y } else { DVec3::X };
-            let swung = DQuat::from_axis_angle(axis, angle) * self.posture[index];
-            let wanted = self.states[parent].turn * if angle == 0.0 { self.posture[index] } else { swung };
-            let error = short(wanted * self.states[index].turn.inverse());
-            let spin = self.motion.relative_spin(figure, index);
-            let omega = 0.6 * link.omega;
-            self.relative[index] = error * omega * omega - spin * (2.0 * omega);
-            if rate != 0.0 || quickens != 0.0 {
-                self.relative[index] += self.states[parent].turn * axis * (rate * 2.0 * omega + quickens);
-            }
-        }
+        self.pose_joints(figure);
         let legs = Side::BOTH.map(|side| {
             let bent = self.bend(figure, side);
             let bears = self.swing.is_none_or(|swing| swing.side != side);
             LegMap::new(figure, &self.motion, figure.legs[side as usize], tuning.damping[usize::from(!bears)], bent)
         });
         let feet = Side::BOTH.map(|side| self.foot_task(figure, terrain, side));
-        // A foot that bears stands still on the ground (a platform turns about the origin) as soon as it touches: its leg's dampers
-        // must not carry its last motion on.
-        let ground_spin = short(terrain.turn(self.time + dt) * terrain.turn(self.time).inverse()) / dt;
-        self.stopped.clear();
-        self.stopped.resize(count, DVec3::ZERO);
-        for side in Side::BOTH {
-            if self.swing.is_none_or(|swing| swing.side != side) {
-                let leg = figure.legs[side as usize];
-                let origin = self.states[leg[2]].origin;
-                let sole = &self.soles[side as usize];
-                let carried = ground_spin.cross(origin) + sole.spin.cross(origin - sole.pivot);
-                let change = legs[side as usize].change(
-                    carried - self.motion.origin_velocity(leg[2]),
-                    ground_spin + sole.spin - self.states[leg[2]].spin,
-                );
-                for (link, change) in leg.into_iter().zip(change) {
-                    self.stopped[link] = change * tuning.snap;
-                }
-            }
-        }
-        // The pelvis's acceleration as a function of the wrench.
-        let bias = self.spread(figure, &legs, &feet, &Acceleration::default(), trunk);
-        let mut matrix: Matrix6 = [[0.0; 6]; 6];
-        for column in 0..6 {
-            let mut unit = Acceleration::default();
-            if column < 3 {
-                unit.linear[column] = 1.0;
-            } else {
-                unit.angular[column - 3] = 1.0;
-            }
-            let wrench = self.spread(figure, &legs, &feet, &unit, trunk);
-            for ((row, wrench), bias) in matrix.iter_mut().zip(wrench).zip(bias) {
-                row[column] = wrench - bias;
-            }
-        }
-        let base = Factored::new(matrix, 1e-3);
+        self.stand_still(figure, terrain, &legs, dt);
+        let (base, bias) = self.root_map(figure, &legs, &feet, trunk);
         let corners = self.corners(figure, terrain);
         let [level, up, tilt, yaw] = tuning.weights;
         let yaw = if self.gait.walks() { self.gait.tuning.yaw } else { yaw };
@@ -366,35 +327,12 @@ impl Controller {
             &wanted,
             tuning.ridge,
         );
-        let mut less = wrench;
-        for (value, bias) in less.iter_mut().zip(bias) {
-            *value -= bias;
-        }
         let (help_torque, help_force) = self.help(&base, &bias, &wrench, &wanted, goal, cop, up / height);
-        for axis in 0..3 {
-            less[axis] += help_force[axis];
-            less[3 + axis] += help_torque[axis];
-        }
-        let root = base.solve(&less);
-        let root = Acceleration {
-            linear: DVec3::new(root[0], root[1], root[2]),
-            angular: DVec3::new(root[3], root[4], root[5]),
-        };
+        let root = pelvis(&base, &bias, &wrench, [help_force, help_torque]);
         self.spread(figure, &legs, &feet, &root, trunk);
-        self.outside.clear();
-        self.outside.resize(count, (DVec3::ZERO, DVec3::ZERO));
-        for side in 0..2 {
-            let foot = figure.legs[side][2];
-            self.outside[foot] = forces.on_foot(&corners, side, self.states[foot].origin);
-            self.toes[side] = toes::asked(figure, &self.states, &forces, &corners, side);
-        }
+        self.press(figure, &forces, &corners);
         self.forces = forces;
-        // Through the pelvis's origin: the force's own moment about the centre of mass is part of the help.
-        let origin = self.states[0].origin;
-        let at_pelvis = help_torque - (origin - self.motion.com).cross(help_force);
-        self.outside[0] = (help_force, at_pelvis);
-        world.push(0, help_force, origin, at_pelvis);
-        self.report.help = [at_pelvis, help_force];
+        self.lend(world, help_force, help_torque);
         let mut needed = std::mem::take(&mut self.needed);
         self.motion.torques(figure, &self.accelerations, &self.outside, &mut needed);
         self.needed = needed;
@@ -408,49 +346,25 @@ impl Controller {
         report.bears = Side::BOTH.map(|side| self.swing.is_none_or(|swing| swing.side != side));
     }
 
-    /// Torques to the world: a spring and a damper whose rests give what is needed if all goes as planned.
-    fn give(&mut self, figure: &Figure, world: &mut World, dt: f64) {
-        // The world takes the tick in parts, springs and dampers at their ends: what counts is the mean over these, of the times and of the
-        // ways that an even acceleration makes by then.
-        let parts = world.parts as f64;
-        let late = dt * (parts + 1.0) / (2.0 * parts);
-        let far = dt * dt * (parts + 1.0) * (parts + 2.0) / (6.0 * parts * parts);
-        toes::drive(figure, world, &self.states, &self.toes);
-        for index in (1..figure.links.len()).filter(|index| figure.bears(*index) == *index) {
-            let link = &figure.links[index];
-            let parent = link.parent.unwrap_or(0);
-            let back = self.states[parent].turn.inverse();
-            let [stiffness, damping] = self.stands_by(link);
-            let mut torque = back * self.needed[index];
-            if let Freedom::Hinge { axis, .. } = link.freedom {
-                torque = axis * axis.dot(torque);
-            }
-            let torque = torque.clamp_length_max(MOST_TORQUE);
-            // Relative acceleration and speed at the end of the tick, as planned, in the parent's frame.
-            let spin = self.states[index].spin - self.states[parent].spin + self.stopped[index];
-            let relative = self.accelerations[index].angular
-                - self.accelerations[parent].angular
-                - self.states[parent].spin.cross(spin - self.stopped[index]);
-            let (spin, relative) = (back * spin, back * relative);
-            let speed = spin + relative * late;
-            let way = spin * late + relative * far;
-            let ahead = way + (torque + speed * damping) / stiffness.max(1e-9);
-            world.drive(index, DVec3::splat(stiffness), DVec3::splat(damping), ahead);
+    /// What the contacts do to the feet.
+    fn press(&mut self, figure: &Figure, forces: &Forces, corners: &[(usize, Corner)]) {
+        self.outside.clear();
+        self.outside.resize(figure.links.len(), (DVec3::ZERO, DVec3::ZERO));
+        for side in 0..2 {
+            let foot = figure.legs[side][2];
+            self.outside[foot] = forces.on_foot(corners, side, self.states[foot].origin);
+            self.toes[side] = toes::asked(figure, &self.states, forces, corners, side);
         }
     }
 
-    /// N m/rad and N m s/rad of a joint's spring and damper, which resist what is not foreseen.
-    fn stands_by(&self, link: &Link) -> [f64; 2] {
-        let side = match link.part {
-            Part::Thigh(side) | Part::Shank(side) | Part::Foot(side) => Some(side),
-            _ => None,
-        };
-        if side.is_some_and(|side| self.swing.is_none_or(|swing| swing.side != side)) {
-            let scale = self.motion.mass / 89.5 * self.size * self.size;
-            return self.tuning.bearing.map(|gain| gain * scale);
-        }
-        let share = self.tuning.standby[usize::from(side.is_none())];
-        [share * link.carried * link.omega * link.omega, share * 2.0 * link.carried * link.omega]
+    /// Gives the pelvis that help, N and N m about the centre of mass.
+    fn lend(&mut self, world: &mut World, help_force: DVec3, help_torque: DVec3) {
+        // Through the pelvis's origin: the force's own moment about the centre of mass is part of the help.
+        let origin = self.states[0].origin;
+        let at_pelvis = help_torque - (origin - self.motion.com).cross(help_force);
+        self.outside[0] = (help_force, at_pelvis);
+        world.push(0, help_force, origin, at_pelvis);
+        self.report.help = [at_pelvis, help_force];
     }
 
     /// What the joints gave in the last tick.

@@ -1,4 +1,5 @@
-//! The ground as rapier's colliders, for balls: plane, slope, treads, strips between gaps, a height field, a platform that turns.
+//! The ground: its floors with edges (treads, strips between gaps), and all of it as rapier's colliders, for balls: plane, slope, floors, a
+//! height field, a platform that turns.
 
 use crate::model::Terrain;
 use crate::model::scenario::GroundKind;
@@ -14,13 +15,42 @@ pub(super) struct Piece {
 }
 
 /// m, how thick the pieces are and how far they reach.
-const DEEP: f64 = 2.0;
-const FAR: f64 = 200.0;
+pub(super) const DEEP: f64 = 2.0;
+pub(super) const FAR: f64 = 200.0;
 /// m, so far ahead there are gaps.
 const WALKED: f64 = 100.0;
 /// m, half side of the height field of uneven ground, and of its cells.
 const ROUGH: f64 = 15.0;
 const CELL: f64 = 0.1;
+
+/// A floor with edges: from z to z (m), its top at that height.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tread {
+    pub(super) span: [f64; 2],
+    pub(super) top: f64,
+}
+
+/// The floors of ground with edges; none where it is a smooth surface.
+pub(super) fn treads(terrain: &Terrain) -> Vec<Tread> {
+    match terrain.kind {
+        GroundKind::Stairs { rise, tread, count } => (0..=count)
+            .map(|step| {
+                let from = if step == 0 { -FAR } else { FIRST + tread * f64::from(step - 1) };
+                let to = if step == count { FAR } else { FIRST + tread * f64::from(step) };
+                Tread { span: [from, to], top: rise * f64::from(step) }
+            })
+            .collect(),
+        GroundKind::Gaps { width, spacing } => {
+            let first = Tread { span: [-FAR, FIRST], top: 0.0 };
+            let floors = (0..((WALKED / spacing) as usize).min(500)).map(|gap| {
+                let from = FIRST + spacing * gap as f64;
+                Tread { span: [from + width, from + spacing], top: 0.0 }
+            });
+            std::iter::once(first).chain(floors).collect()
+        }
+        _ => Vec::new(),
+    }
+}
 
 /// Puts the ground into the world.
 pub(super) fn build(physics: &mut PhysicsWorld, terrain: &Terrain, groups: InteractionGroups) -> Vec<Piece> {
@@ -57,21 +87,10 @@ pub(super) fn build(physics: &mut PhysicsWorld, terrain: &Terrain, groups: Inter
             let (handle, _) = physics.insert(still(), level([-FAR, FAR], 0.0));
             pieces.push(Piece { handle, moves: false });
         }
-        GroundKind::Stairs { rise, tread, count } => {
+        GroundKind::Stairs { .. } | GroundKind::Gaps { .. } => {
             let handle = physics.insert_body(still());
-            for step in 0..=*count {
-                let from = if step == 0 { -FAR } else { FIRST + tread * f64::from(step - 1) };
-                let to = if step == *count { FAR } else { FIRST + tread * f64::from(step) };
-                physics.insert_collider(level([from, to], rise * f64::from(step)), Some(handle));
-            }
-            pieces.push(Piece { handle, moves: false });
-        }
-        GroundKind::Gaps { width, spacing } => {
-            let handle = physics.insert_body(still());
-            physics.insert_collider(level([-FAR, FIRST], 0.0), Some(handle));
-            for gap in 0..((WALKED / spacing) as usize).min(500) {
-                let from = FIRST + spacing * gap as f64;
-                physics.insert_collider(level([from + width, from + spacing], 0.0), Some(handle));
+            for tread in treads(terrain) {
+                physics.insert_collider(level(tread.span, tread.top), Some(handle));
             }
             pieces.push(Piece { handle, moves: false });
         }

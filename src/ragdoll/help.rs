@@ -3,6 +3,7 @@
 use super::control::Controller;
 use super::dynamics::Wrench;
 use super::forces::Wanted;
+use super::joints::pelvis;
 use super::linear::Factored;
 use crate::maths::pendulum::GRAVITY;
 use glam::{DVec2, DVec3};
@@ -29,12 +30,7 @@ impl Controller {
         if share <= 0.0 {
             return (DVec3::ZERO, DVec3::ZERO);
         }
-        let mut less = *wrench;
-        for (value, bias) in less.iter_mut().zip(bias) {
-            *value -= bias;
-        }
-        let got = base.solve(&less);
-        let lacks = wanted.angular - DVec3::new(got[3], got[4], got[5]);
+        let lacks = wanted.angular - pelvis(base, bias, wrench, [DVec3::ZERO; 2]).angular;
         // The upper body's inertia about the pelvis turns a lack of acceleration into a torque.
         let torque = (lacks * self.upper_inertia).clamp_length_max(bound.torque * share);
         let mass = self.motion.mass;

@@ -1,5 +1,6 @@
 //! The articulated body: rigid links, joint torques, contacts.
 
+mod bulk;
 pub mod control;
 pub mod dynamics;
 pub mod fall;
@@ -8,6 +9,7 @@ mod forces;
 pub mod gait;
 mod ground;
 mod help;
+mod joints;
 mod linear;
 pub mod plan;
 mod ranges;

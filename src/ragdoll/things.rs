@@ -3,7 +3,8 @@
 //! Scenario space, SI. Balls are rapier's rigid spheres among themselves and on the ground; where they meet the body, the body's own
 //! contacts act on both by equal and opposite impulses. They are there from a moment before they arrive, and for good.
 
-use super::figure::{Figure, Part, steiner};
+use super::bulk::steiner;
+use super::figure::{Figure, Part};
 use super::ground::{self, double, rotation, vector};
 use super::touches::Round;
 use super::world::{FASTEST, LinkState, World};

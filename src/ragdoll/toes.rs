@@ -5,7 +5,8 @@
 //! the toes' box, for their joint is over it: a sole's edge before the joint would move on along the ground as the heel rises. A foot whose rig
 //! has no such joint, or has it where no foot bends, stays one box.
 
-use super::figure::{Figure, Freedom, Link, Part, steiner};
+use super::bulk::steiner;
+use super::figure::{Figure, Freedom, Link, Part};
 use super::forces::{Corner, Forces};
 use super::sole::{BALL, POINTS, TIP};
 use super::world::{LinkState, World};

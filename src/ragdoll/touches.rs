@@ -1,11 +1,10 @@
 //! What the links' boxes may touch: the ground, by their corners where it is a smooth surface and by whole boxes where it has edges
 //! (stairs, gaps), and balls. Scenario space, SI.
 
-use super::figure::{Figure, above_legs};
-use super::ground::{double, rotation, vector};
+use super::bulk::above_legs;
+use super::figure::Figure;
+use super::ground::{DEEP, FAR, Tread, double, rotation, treads, vector};
 use crate::dynamics::{Articulation, Loose, Touch};
-use crate::model::scenario::GroundKind;
-use crate::model::terrain::FIRST;
 use crate::model::{Side, Terrain};
 use glam::{DQuat, DVec2, DVec3};
 use rapier3d::math::Pose;
@@ -16,11 +15,6 @@ use rapier3d::parry::shape::Cuboid;
 /// m, nearer than that to the ground a corner is looked at, and so deep that it came from elsewhere.
 const NEAR: f64 = 0.08;
 const FROM_ELSEWHERE: f64 = -0.3;
-/// m, how thick and how wide treads and floors are.
-const DEEP: f64 = 2.0;
-const FAR: f64 = 200.0;
-/// m, so far ahead there are gaps.
-const WALKED: f64 = 100.0;
 /// Names of contacts: eight corners a link, then points of boxes against boxes, then balls.
 const BOXES: u32 = 1 << 10;
 const BALLS: u32 = 1 << 20;
@@ -38,13 +32,6 @@ pub(super) struct Hull {
     corners: [DVec3; 8],
     /// m, of the farthest corner from the link's origin.
     radius: f64,
-}
-
-/// A floor with edges: from z to z (m), its top at that height.
-#[derive(Clone, Copy, Debug)]
-struct Tread {
-    span: [f64; 2],
-    top: f64,
 }
 
 /// A ball, as the links see it.
@@ -245,28 +232,6 @@ fn signs(corner: u32) -> DVec3 {
 
 fn ground(link: usize, key: u32, at: DVec3, (normal, gap): (DVec3, f64), friction: f64, surface: DVec3) -> Touch {
     Touch { link, key, at, normal, gap, friction, bounce: 0.0, surface, other: None }
-}
-
-/// The floors of ground with edges; none where it is a smooth surface.
-fn treads(terrain: &Terrain) -> Vec<Tread> {
-    match terrain.kind {
-        GroundKind::Stairs { rise, tread, count } => (0..=count)
-            .map(|step| {
-                let from = if step == 0 { -FAR } else { FIRST + tread * f64::from(step - 1) };
-                let to = if step == count { FAR } else { FIRST + tread * f64::from(step) };
-                Tread { span: [from, to], top: rise * f64::from(step) }
-            })
-            .collect(),
-        GroundKind::Gaps { width, spacing } => {
-            let first = Tread { span: [-FAR, FIRST], top: 0.0 };
-            let floors = (0..((WALKED / spacing) as usize).min(500)).map(|gap| {
-                let from = FIRST + spacing * gap as f64;
-                Tread { span: [from + width, from + spacing], top: 0.0 }
-            });
-            std::iter::once(first).chain(floors).collect()
-        }
-        _ => Vec::new(),
-    }
 }
 
 fn pose(place: DVec3, turn: DQuat) -> Pose {

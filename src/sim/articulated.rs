@@ -4,16 +4,18 @@
 //! their joints let them. It stands, sways and steps; where balance is lost the joints give way and it falls until it lies.
 //! On flat ground it walks. What breaks down is caught in the tick in which it does.
 
+use super::Trace;
 use super::balls::{Flown, Incoming};
 use super::record::Record;
 use super::run::{Course, Run};
-use super::search::{Search, Searched};
-use super::{SimulateOptions, Trace};
+use super::search::{Ahead, Search, Searched};
+use super::session::TICK;
 use crate::measure::KnownPush;
 use crate::model::{Body, BodyPose, Load, Physique, Plant, Role, Side, Terrain};
 use crate::ragdoll::control::Assist;
 use crate::ragdoll::walk::Order;
 use crate::ragdoll::{Figure, Locks};
+use crate::whole_body::reaction::Personality;
 use crate::whole_body::solve::{Hold, PoseTarget};
 use crate::whole_body::{Anatomy, Solver, stand};
 use glam::{DQuat, DVec2, DVec3};
@@ -26,6 +28,39 @@ const GIVES_WAY: f64 = 0.82;
 const SINKS: f64 = 0.95;
 /// s at rest, after which a run that goes on past what was asked ends.
 const RESTS: f64 = 0.5;
+
+/// How to run the body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArticulatedOptions {
+    /// s; it goes on to the next tick.
+    pub duration: f64,
+    /// s, at most so much longer if it is not at rest by then.
+    pub extra: f64,
+    /// s, the length of a tick.
+    pub dt: f64,
+    /// What is the person's own.
+    pub personality: Personality,
+    /// 0 to 1, how much its arms do.
+    pub arms: f64,
+    /// What it draws from.
+    pub seed: u64,
+    /// How it is looked for.
+    pub ahead: Ahead,
+}
+
+impl Default for ArticulatedOptions {
+    fn default() -> ArticulatedOptions {
+        ArticulatedOptions {
+            duration: 4.0,
+            extra: 8.0,
+            dt: TICK,
+            personality: Personality::default(),
+            arms: 0.5,
+            seed: 0,
+            ahead: Ahead::default(),
+        }
+    }
+}
 
 /// What the pelvis was given that no contact supplied.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -79,7 +114,7 @@ pub fn simulate_articulated(
     anatomy: &Anatomy,
     physique: &Physique,
     terrain: &Terrain,
-    options: &SimulateOptions,
+    options: &ArticulatedOptions,
     pushes: &[(KnownPush, bool)],
     assist: Assist,
 ) -> Result<Articulated, BrokenBody> {
@@ -112,13 +147,13 @@ pub fn simulate_with(
     anatomy: &Anatomy,
     physique: &Physique,
     terrain: &Terrain,
-    options: &SimulateOptions,
+    options: &ArticulatedOptions,
     pushes: &[(KnownPush, bool)],
     assist: Assist,
     things: &Things,
 ) -> Result<Articulated, BrokenBody> {
     let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
-    let level = stand::stand_target(body, &plants, DVec3::Y * physique.com_height, 0.0);
+    let level = stand::natural_stand(body, physique);
     let standing = Solver::new(body, anatomy).solve(&level).pose;
     let figure = Figure::new(body, &standing, Locks::default());
     let target = (things.hold)(0.0).map_or(level, |hold| level.holding(hold));
@@ -131,7 +166,7 @@ pub fn simulate_with(
 }
 
 /// The run from its start to its end.
-fn play(course: &Course, mut run: Run, options: &SimulateOptions) -> Result<Articulated, BrokenBody> {
+fn play(course: &Course, mut run: Run, options: &ArticulatedOptions) -> Result<Articulated, BrokenBody> {
     let planned = (options.duration / options.dt - 1e-9).ceil().max(0.0) as usize;
     let most = planned + (options.extra / options.dt).ceil() as usize;
     let mut record = Record::new(course.start, course.figure, options.dt);
@@ -152,7 +187,7 @@ fn play(course: &Course, mut run: Run, options: &SimulateOptions) -> Result<Arti
             ticked = run.tick(course, time);
         }
         record.tick(course, &run.control, &ticked, time);
-        let gives_up = options.gives_up.is_some_and(|when| time >= when - 1e-9);
+        let gives_up = options.ahead.gives_up.is_some_and(|when| time >= when - 1e-9);
         if ticked.lies || ticked.height < FALLEN || gives_up {
             // Nobody fights until he lies: seen from the end, the joints give way as soon as the body sinks for good.
             let (last, mut from) = sinking.take().filter(|_| !gives_up).unwrap_or((tick, run));

@@ -10,10 +10,10 @@ mod search;
 pub mod session;
 pub mod trace;
 
-pub use articulated::{Articulated, Help, Things, simulate_articulated, simulate_with};
+pub use articulated::{Articulated, ArticulatedOptions, Help, Things, simulate_articulated, simulate_with};
 pub use balls::{Flown, Incoming, Struck};
 pub use record::PRESSED;
 pub use script::Script;
-pub use search::Searched;
+pub use search::{Ahead, Searched};
 pub use session::{Session, SessionPush, SimulateOptions, simulate, simulate_pushes};
 pub use trace::{TickState, Trace};

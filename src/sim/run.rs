@@ -3,7 +3,7 @@
 use super::articulated::{BrokenBody, Things};
 use super::balls::Balls;
 use super::record::{hung, state_of};
-use super::{SessionPush, SimulateOptions, TickState};
+use super::{ArticulatedOptions, SessionPush, TickState};
 use crate::maths::quat::yaw_of;
 use crate::measure::{KnownPush, PushPoint};
 use crate::model::{Body, BodyPose, Load, Physique, Plant, Side, Terrain};
@@ -88,7 +88,7 @@ fn tuning_of(person: &Personality) -> Tuning {
 }
 
 impl Run {
-    pub(super) fn new(course: &Course, standing: &BodyPose, options: &SimulateOptions) -> Result<Run, BrokenBody> {
+    pub(super) fn new(course: &Course, standing: &BodyPose, options: &ArticulatedOptions) -> Result<Run, BrokenBody> {
         let figure = course.figure;
         let world = World::new(figure, &figure.placed(course.body, standing), course.terrain, options.dt, PARTS)
             .map_err(|error| BrokenBody { time: 0.0, what: error.to_string() })?;

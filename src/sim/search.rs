@@ -5,7 +5,7 @@
 //! stand in a way that nobody lets pass, is anything else tried. It may know the rest of the push: a clip is authored. The draws hang on the
 //! seed and on the tick, the budget is counted in ticks: the same input finds the same, on any machine.
 
-use super::SimulateOptions;
+use super::ArticulatedOptions;
 use super::run::{Course, Run, Ticked};
 use crate::maths::seed::Seed;
 use crate::measure::gate::LONGEST_HOVER;
@@ -29,6 +29,17 @@ const EFFORTS: [(usize, usize); 4] = [(0, 0), (28, 8_000), (120, 40_000), (2_000
 
 /// What the draws of a search that is made again are apart from those of the first: any large odd number.
 const AGAIN: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// How a run is looked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ahead {
+    /// 0 to 3, how far it looks ahead.
+    pub effort: u8,
+    /// How often it has been searched for before: other draws of the same seed.
+    pub again: u8,
+    /// s, when it gives balance up, whatever it could do.
+    pub gives_up: Option<f64>,
+}
 
 /// What was looked for, and found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -58,13 +69,13 @@ struct Ending {
 }
 
 impl Search {
-    pub(super) fn new(options: &SimulateOptions) -> Search {
-        let effort = options.effort.min(3);
+    pub(super) fn new(options: &ArticulatedOptions) -> Search {
+        let effort = options.ahead.effort.min(3);
         let done = Searched { effort, ..Searched::default() };
         Search {
             done,
             left: EFFORTS[usize::from(effort)].1,
-            seed: options.seed.wrapping_add(AGAIN.wrapping_mul(u64::from(options.again))),
+            seed: options.seed.wrapping_add(AGAIN.wrapping_mul(u64::from(options.ahead.again))),
             dt: options.dt,
         }
     }

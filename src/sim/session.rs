@@ -7,7 +7,6 @@ use crate::maths::spring::Spring;
 use crate::model::Terrain;
 use crate::model::scenario::Feet;
 use crate::stepper::{self, Inputs, Params, Physique, State, Step, Style, TickOutput, footing, ground};
-use crate::whole_body::reaction::Personality;
 use glam::{DQuat, DVec2, DVec3};
 
 /// s after the end, when a foot that is held up would come down.
@@ -32,7 +31,7 @@ pub struct SessionPush {
     pub arm: f64,
 }
 
-/// How to run.
+/// How to run the stepper; the articulated body has options of its own ([`super::ArticulatedOptions`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SimulateOptions {
     /// s; it goes on to the next tick.
@@ -43,34 +42,11 @@ pub struct SimulateOptions {
     pub style: Style,
     /// s, the length of a tick.
     pub dt: f64,
-    /// What is the person's own in the articulated body.
-    pub personality: Personality,
-    /// 0 to 1, how much its arms do.
-    pub arms: f64,
-    /// 0 to 3, how far the articulated body looks ahead ([`super::search`]).
-    pub effort: u8,
-    /// How often the articulated body was searched for before: other draws of the same seed.
-    pub again: u8,
-    /// s, when the articulated body gives balance up.
-    pub gives_up: Option<f64>,
-    /// What it draws from.
-    pub seed: u64,
 }
 
 impl Default for SimulateOptions {
     fn default() -> SimulateOptions {
-        SimulateOptions {
-            duration: 4.0,
-            extra: 8.0,
-            style: Style::default(),
-            dt: TICK,
-            personality: Personality::default(),
-            arms: 0.5,
-            effort: 0,
-            again: 0,
-            gives_up: None,
-            seed: 0,
-        }
+        SimulateOptions { duration: 4.0, extra: 8.0, style: Style::default(), dt: TICK }
     }
 }
 

@@ -86,6 +86,12 @@ pub fn stand_target(body: &Body, plants: &[Plant; 2], com: DVec3, facing: f64) -
     }
 }
 
+/// The natural stand on level ground at the origin, facing +Z.
+pub fn natural_stand(body: &Body, physique: &Physique) -> PoseTarget {
+    let plants = natural_plants(physique.stance_width, physique.com_forward);
+    stand_target(body, &plants, DVec3::Y * physique.com_height, 0.0)
+}
+
 /// Measures the body in its natural stand: what the stepper needs to know.
 pub fn physique(body: &Body, anatomy: &Anatomy) -> Physique {
     physique_holding(body, anatomy, None)

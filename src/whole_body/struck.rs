@@ -6,7 +6,7 @@
 
 use super::anatomy::Anatomy;
 use super::solve::Solver;
-use super::stand::{natural_plants, stand_target};
+use super::stand::natural_stand;
 use crate::maths::curve::smooth3;
 use crate::measure::{KnownPush, PushPoint};
 use crate::model::{Body, Physique, Role, Side};
@@ -58,9 +58,8 @@ pub struct Struck {
 impl Blow {
     /// Of the pushes on a body.
     pub fn of(body: &Body, anatomy: &Anatomy, physique: &Physique, pushes: &[KnownPush]) -> Vec<Blow> {
-        let plants = natural_plants(physique.stance_width, physique.com_forward);
-        let com = DVec3::Y * physique.com_height;
-        let standing = Solver::new(body, anatomy).solve(&stand_target(body, &plants, com, 0.0)).pose;
+        let stand = natural_stand(body, physique);
+        let (com, standing) = (stand.com, Solver::new(body, anatomy).solve(&stand).pose);
         let places = standing.positions(body);
         let blow = |push: &KnownPush| {
             let (joint, at) = match push.at {

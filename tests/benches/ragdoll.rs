@@ -1,53 +1,47 @@
 //! The table of the articulated body: seeded pushes of the paper's range on the trunk, five bins of impulse, root-free and with
-//! the least help that recovers; standing, platforms, walks, balls, a box; the clips that come of pushes; what a tick costs.
+//! the least help that recovers; standing, platforms, walks, balls, a box; what a tick costs. What clips come of such pushes, `clips.rs` prints.
 //!
 //! `cargo bench --bench ragdoll` prints it all for the built-in rig and the middle bins for two rigs that nobody here made, where
 //! their files are there: 64 pushes a bin on seeds that nothing was tuned on, about a minute on two free cores. Words after `--`: a
 //! number of pushes a bin (256 for narrow intervals: the built-in rig's take two minutes), paths of other rigs, and names of sections
-//! (`pushes`, `standing`, `platform`, `walk`, `balls`, `box`, `clips`, `ticks`) to print these alone. Beside the ticks stands what
-//! MuJoCo takes, where `python3` has it.
+//! (`pushes`, `standing`, `platform`, `walk`, `balls`, `box`, `ticks`) to print these alone. Beside the ticks stands what MuJoCo takes,
+//! where `python3` has it.
 
 #![expect(clippy::print_stdout, reason = "the table")]
 
+#[path = "../common.rs"]
+mod common;
 #[path = "../data.rs"]
 #[expect(dead_code, reason = "a bench wants the place alone")]
 mod data;
+#[path = "shoves.rs"]
+mod shoves;
+
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+use shoves::{AHEAD, COUNT, EDGES, HEAVY, HELD_OUT, OTHERS, Shove, share, wilson};
 use std::path::PathBuf;
 use std::time::Instant;
 use surefoot::bake::{BakeOptions, Baked, Drive, Helped, bake};
-use surefoot::maths::seed::Seed;
 use surefoot::measure::{KnownPush, PushPoint};
 use surefoot::model::report::Outcome;
-use surefoot::model::scenario::{Carry, Direction, Ground, GroundKind, Push, Throw};
+use surefoot::model::scenario::{Carry, Direction, Ground, GroundKind, Throw};
 use surefoot::model::{Body, Physique, Role, Scenario, Terrain};
 use surefoot::ragdoll::control::Assist;
 use surefoot::ragdoll::walk::Order;
 use surefoot::ragdoll::{Controller, Figure, Locks, Tuning, World};
-use surefoot::rig::{self, Rig, mannequin};
-use surefoot::sim::{Articulated, SimulateOptions, Things, simulate_articulated, simulate_with};
+use surefoot::rig::{self, Rig};
+use surefoot::sim::{Ahead, Articulated, ArticulatedOptions, Things, simulate_articulated, simulate_with};
 use surefoot::whole_body::{Anatomy, Solver, stand};
 
-/// The first seed of the held-out pushes: tuning used 1 to 400 000.
-const HELD_OUT: u64 = 5_000_000;
-/// Ns, the edges of the bins.
-const EDGES: [f64; 6] = [0.0, 50.0, 100.0, 150.0, 200.0, 250.0];
 /// Shares of the bins among the paper's pushes (10 to 500 N for 0.1 to 0.5 s).
 const MIX: [f64; 5] = [0.39, 0.31, 0.18, 0.09, 0.03];
 /// Wanted root-free, %.
 const WANTED: [f64; 5] = [100.0, 98.0, 95.0, 88.0, 55.0];
-/// Wanted of who looks ahead, %.
-const AHEAD: [f64; 5] = [100.0, 100.0, 100.0, 99.0, 95.0];
 /// Wanted with help, %.
 const HELPED: [f64; 5] = [100.0, 100.0, 100.0, 99.0, 97.0];
 /// Help that is allowed in each bin, N m and N, for a body of 89.5 kg.
 const ALLOWED: [[f64; 2]; 5] = [[0.0, 0.0], [60.0, 0.0], [100.0, 0.0], [200.0, 0.0], [300.0, 300.0]];
-
-/// Pushes a bin where no number is given.
-const DEFAULT: usize = 64;
-/// Rigs that nobody here made.
-const OTHERS: [&str; 2] = ["gdquest_mannequiny.glb", "m2m_human_male.glb"];
 const FREE: Assist = Assist { torque: 0.0, force: 0.0 };
 
 struct Subject {
@@ -66,8 +60,10 @@ impl Subject {
 
     /// Whether it stays up, and whether it then stands still.
     fn pushed(&self, push: &KnownPush, [torque, force]: [f64; 2], effort: u8) -> (bool, bool) {
-        let scale = self.physique.mass / 89.5;
-        let options = SimulateOptions { duration: push.start + 8.0, extra: 0.0, effort, ..SimulateOptions::default() };
+        let scale = self.physique.mass / HEAVY;
+        let ahead = Ahead { effort, ..Ahead::default() };
+        let options =
+            ArticulatedOptions { duration: push.start + 8.0, extra: 0.0, ahead, ..ArticulatedOptions::default() };
         let push = KnownPush { force: push.force * scale, ..*push };
         let assist = Assist { torque: torque * scale, force: force * scale };
         let run = simulate_articulated(
@@ -85,19 +81,16 @@ impl Subject {
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
-    let sections = ["pushes", "standing", "platform", "walk", "balls", "box", "clips", "ticks"];
+    let sections = ["pushes", "standing", "platform", "walk", "balls", "box", "ticks"];
     let named = |word: &String| sections.contains(&word.as_str());
     let wants = |section: &str| !words.iter().any(named) || words.iter().any(|word| word == section);
-    let count = words.iter().find_map(|word| word.parse().ok()).unwrap_or(DEFAULT);
-    let alone = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
-    let rig = rig::load_bytes("builtin", mannequin::BUILTIN, &alone, None).expect("the built-in rig loads");
+    let count = words.iter().find_map(|word| word.parse().ok()).unwrap_or(COUNT);
+    let rig = common::builtin();
     let builtin = Subject::new("builtin", rig.body.clone());
     if wants("pushes") {
         table(&builtin, count, &[0, 1, 2, 3, 4]);
         let given = words.iter().filter(|word| word.parse::<usize>().is_err() && !named(word)).map(PathBuf::from);
-        for path in
-            OTHERS.iter().map(|name| data::place().join("rigs").join(name)).filter(|path| path.exists()).chain(given)
-        {
+        for path in shoves::files(&OTHERS).into_iter().chain(given) {
             match rig::load(&path) {
                 Ok(loaded) => table(&Subject::new(&path.display().to_string(), loaded.body), count, &[1, 2]),
                 Err(error) => println!("{}: {error}", path.display()),
@@ -111,7 +104,6 @@ fn main() {
         ("walk", &|| walks(&builtin)),
         ("balls", &|| balls(&rig)),
         ("box", &|| boxes(&rig)),
-        ("clips", &|| clips(&rig)),
         ("ticks", &|| ticks(&builtin)),
     ] {
         if wants(section) {
@@ -127,7 +119,7 @@ fn table(subject: &Subject, count: usize, bins: &[usize]) {
     );
     let mut mix = 0.0;
     for &bin in bins {
-        let pushes = pushes(&subject.body, EDGES[bin], EDGES[bin + 1], count);
+        let pushes: Vec<KnownPush> = shoves::drawn(bin, count).iter().map(|shove| shove.known(&subject.body)).collect();
         let free: Vec<(bool, bool)> = pushes.par_iter().map(|push| subject.pushed(push, [0.0, 0.0], 0)).collect();
         let ahead = |(push, (up, _)): &(&KnownPush, &(bool, bool))| *up || subject.pushed(push, [0.0, 0.0], 1).0;
         let ahead = pushes.par_iter().zip(&free).filter(ahead).count();
@@ -168,40 +160,10 @@ fn ladder([torque, force]: [f64; 2]) -> Vec<[f64; 2]> {
     (1..=4).map(|part| f64::from(part) / 4.0).map(|share| [torque * share, force * share]).collect()
 }
 
-fn share(part: usize, whole: usize) -> f64 {
-    100.0 * part as f64 / whole as f64
-}
-
-/// Wilson's interval for a share, %.
-fn wilson(part: usize, whole: usize) -> [f64; 2] {
-    let (n, p, z) = (whole as f64, part as f64 / whole as f64, 1.96);
-    let middle = (p + z * z / (2.0 * n)) / (1.0 + z * z / n);
-    let half = z / (1.0 + z * z / n) * (p * (1.0 - p) / n + z * z / (4.0 * n * n)).sqrt();
-    [100.0 * (middle - half).max(0.0), 100.0 * (middle + half).min(1.0)]
-}
-
-/// Seeded pushes on the trunk whose impulses lie in a bin.
-fn pushes(body: &Body, low: f64, high: f64, count: usize) -> Vec<KnownPush> {
-    let chest = [Role::Chest, Role::Spine, Role::Hips].into_iter().find_map(|role| body.joint(role)).unwrap_or(0);
-    (HELD_OUT..)
-        .map(|seed| {
-            let mut draw = Seed::new(seed);
-            let start = draw.between(0.5, 1.5);
-            let duration = draw.between(0.1, 0.5);
-            let force = draw.between(10.0, 500.0);
-            let angle = draw.between(0.0, std::f64::consts::TAU);
-            let force = DVec3::new(angle.sin(), 0.0, angle.cos()) * force;
-            KnownPush { start, end: start + duration, force, at: PushPoint::Joint(chest) }
-        })
-        .filter(|push| (low..high).contains(&(push.force.length() * (push.end - push.start))))
-        .take(count)
-        .collect()
-}
-
 /// A minute of standing, and 60 Ns from 16 directions.
 fn standing(subject: &Subject) {
     let chest = subject.body.joint(Role::Chest).unwrap_or(0);
-    let options = SimulateOptions { duration: 60.0, extra: 0.0, ..SimulateOptions::default() };
+    let options = ArticulatedOptions { duration: 60.0, extra: 0.0, ..ArticulatedOptions::default() };
     let run = simulate_articulated(
         &subject.body,
         &subject.anatomy,
@@ -231,7 +193,7 @@ fn standing(subject: &Subject) {
 }
 
 /// s and newtons: every 5 s a shove of 100 N for 0.2 s, each from elsewhere.
-fn shoves(body: &Body, until: f64) -> Vec<(KnownPush, bool)> {
+fn every_five_seconds(body: &Body, until: f64) -> Vec<(KnownPush, bool)> {
     let chest = PushPoint::Joint(body.joint(Role::Chest).unwrap_or(0));
     let shove = |index: i32| {
         let (sin, cos) = (f64::from(index) * 2.4).sin_cos(); // the golden angle: no two alike
@@ -270,8 +232,8 @@ fn platforms(subject: &Subject) {
         .into_par_iter()
         .map(|(name, pitch, roll)| {
             let terrain = Terrain::new(&Ground { kind: GroundKind::Platform { pitch, roll }, friction: 1.0 });
-            let options = SimulateOptions { duration: 60.0, extra: 0.0, ..SimulateOptions::default() };
-            let (body, pushes) = (&subject.body, shoves(&subject.body, 60.0));
+            let options = ArticulatedOptions { duration: 60.0, extra: 0.0, ..ArticulatedOptions::default() };
+            let (body, pushes) = (&subject.body, every_five_seconds(&subject.body, 60.0));
             let run =
                 simulate_articulated(body, &subject.anatomy, &subject.physique, &terrain, &options, &pushes, FREE);
             match run {
@@ -289,7 +251,7 @@ fn platforms(subject: &Subject) {
 impl Subject {
     /// Walks straight on from 0.5 s, root-free.
     fn walks(&self, speed: f64, duration: f64, pushes: &[(KnownPush, bool)]) -> Option<Articulated> {
-        let options = SimulateOptions { duration, extra: 0.0, ..SimulateOptions::default() };
+        let options = ArticulatedOptions { duration, extra: 0.0, ..ArticulatedOptions::default() };
         let order = |time: f64| {
             let velocity = if time >= 0.5 { DVec2::Y * speed } else { DVec2::ZERO };
             Some(Order { velocity, facing: 0.0 })
@@ -367,11 +329,6 @@ fn balls(rig: &Rig) {
     println!("20 balls of 0.1 to 0.2 m at 8 to 10 m/s: {up} of 10 seeds stay up root-free, of wanted 9");
 }
 
-fn pushed(start: f64, force: f64, duration: f64, heading: f64, length: f64) -> Scenario {
-    let push = Push { start, duration, force, toward: Direction::Heading(heading), at: Role::Chest };
-    Scenario { duration: length, push: vec![push], ..Scenario::default() }
-}
-
 /// A box whose mass grows from 2 to 25 kg, and a shove from sixteen sides.
 fn boxes(rig: &Rig) {
     let carry = Carry { start: 0.0, end: None, mass: vec![[0.0, 2.0], [5.0, 25.0]], size: DVec3::new(0.4, 0.3, 0.3) };
@@ -380,7 +337,7 @@ fn boxes(rig: &Rig) {
             .into_par_iter()
             .filter(|index| {
                 let heading = f64::from(*index) * std::f64::consts::TAU / 16.0;
-                let scenario = pushed(4.0, 100.0, 0.2, heading, 7.0);
+                let scenario = Shove { start: 4.0, duration: 0.2, force: 100.0, heading }.scenario(7.0);
                 stays(&baked(rig, &Scenario { carry: vec![carry.clone()], ..scenario }, helped))
             })
             .count()
@@ -392,34 +349,9 @@ fn boxes(rig: &Rig) {
     );
 }
 
-/// Clips of seeded pushes with as little help as recovers: what falls, what helped, and what comes from nowhere.
-fn clips(rig: &Rig) {
-    let mut draw = Seed::new(HELD_OUT);
-    let drawn: Vec<Scenario> = (0..32)
-        .map(|_| {
-            let (duration, heading) = (draw.between(0.1, 0.5), draw.between(0.0, std::f64::consts::TAU));
-            let force = (draw.between(10.0, 500.0) * duration).min(150.0) / duration;
-            pushed(0.6, force, duration, heading, 5.0)
-        })
-        .collect();
-    let baked: Vec<Baked> = drawn.par_iter().filter_map(|scenario| baked(rig, scenario, Helped::Auto)).collect();
-    let fall = baked.iter().filter(|baked| baked.report.outcome == Outcome::Fall).count();
-    let helped = baked.iter().filter(|baked| baked.report.assist.peak_nm > 0.0).count();
-    let worst = |pick: &dyn Fn(&Baked) -> f64| baked.iter().map(pick).fold(0.0, f64::max);
-    println!(
-        "clips of 32 pushes to 150 Ns: {} baked, {fall} fall of wanted 0, {helped} helped by up to {:.0} N m; residual to {:.3} body weights, {:.3} body weights x height",
-        baked.len(),
-        worst(&|baked| baked.report.assist.peak_nm),
-        worst(&|baked| baked.report.plausibility.residual_force),
-        worst(&|baked| baked.report.plausibility.residual_moment)
-    );
-}
-
 /// What a tick costs, on one thread.
 fn ticks(subject: &Subject) {
-    let plants = stand::natural_plants(subject.physique.stance_width, subject.physique.com_forward);
-    let com = DVec3::Y * subject.physique.com_height;
-    let target = stand::stand_target(&subject.body, &plants, com, 0.0);
+    let target = stand::natural_stand(&subject.body, &subject.physique);
     let pose = Solver::new(&subject.body, &subject.anatomy).solve(&target).pose;
     for (name, locks, wanted) in [
         ("all joints", Locks::default(), 60),

@@ -3,15 +3,14 @@
 //! The stepper has no part in it.
 
 use super::{Played, Run};
-use crate::bake::gated::Ahead;
-use crate::bake::perform::{Performance, check, style};
+use crate::bake::perform::{Performance, check};
 use crate::bake::ragdoll::{self, Driven, Helped};
 use crate::bake::timeline::Timeline;
 use crate::bake::{BakeError, carried, pushes, throws};
 use crate::measure::KnownPush;
 use crate::model::scenario::Scenario;
 use crate::model::{Body, Terrain};
-use crate::sim::SimulateOptions;
+use crate::sim::{Ahead, ArticulatedOptions};
 use crate::whole_body::reaction::Personality;
 use crate::whole_body::{Anatomy, stand};
 
@@ -86,18 +85,15 @@ fn run(body: &Body, scenario: &Scenario, seed: u64, (helped, ahead): (Helped, Ah
     let anatomy = Anatomy::new(body);
     let physique = stand::physique(body, &anatomy);
     let (carried, loads) = carried::carried(body, &anatomy, scenario);
-    let options = SimulateOptions {
+    let options = ArticulatedOptions {
         duration: scenario.duration,
-        style: style(&scenario.character),
         personality: Personality::drawn(seed),
         arms: scenario.character.style.arms,
-        effort: ahead.effort,
-        again: ahead.again,
-        gives_up: ahead.gives_up,
+        ahead,
         // The run ends with the clip.
         extra: 0.0,
         seed,
-        ..SimulateOptions::default()
+        ..ArticulatedOptions::default()
     };
     let known = pushes::known(body, scenario);
     let tosses = throws::tosses(scenario, seed);
