@@ -43,6 +43,9 @@ pub fn pass(timeline: &mut Timeline, poses: &[BodyPose], contacts: &[HeldContact
         heights[index] = dynamics.com[index].y - support.in_space(support.below(dynamics.com[index])).y;
         let zmp = zmp::zmp(&support, needed, dynamics.com[index], weight);
         worst = worst.max(support.outside(zmp));
+        if hull::signed_distance(&support.hull, zmp) < -MARGIN {
+            continue;
+        }
         let inner = hull::shrink(&support.hull, MARGIN);
         if !hull::contains(&inner, zmp)
             && let Some(nearest) = hull::closest_point(&inner, zmp)

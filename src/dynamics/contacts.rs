@@ -3,7 +3,7 @@
 
 use super::factor::Vector;
 use super::loose::Loose;
-use super::rows::Kind;
+use super::rows::{Asked, Kind, Ways};
 use super::state::Articulation;
 use super::tree::DEEPEST;
 use glam::DVec3;
@@ -67,21 +67,39 @@ pub struct Met {
 }
 
 impl Articulation {
-    /// A row's direction on a link's chain: along `way` at a point, or about it; and how fast `free` goes along it.
-    fn on_chain(&self, link: usize, way: DVec3, point: Option<DVec3>, free: &Vector) -> ([f64; DEEPEST], f64) {
+    /// Directions on a link's chain: along each way at a point, or about it.
+    fn on_chain<const N: usize>(&self, link: usize, ways: [DVec3; N], point: Option<DVec3>) -> Ways<N> {
         let last = self.tree.last[link];
-        let (mut j, mut goes) = ([0.0; DEEPEST], 0.0);
-        let turned = point.map_or(way, |point| (point - self.origin[0]).cross(way));
-        let way = if point.is_some() { way } else { DVec3::ZERO };
-        for (value, freedom) in j.iter_mut().zip(&self.tree.chain[last]).take(self.tree.depth[last] + 1) {
-            let freedom = usize::from(*freedom);
-            *value = self.moves[freedom].dot(way) + self.turns[freedom].dot(turned);
-            goes += *value * free[freedom];
+        let mut on = [[0.0; N]; DEEPEST];
+        let arm = point.map(|point| point - self.origin[0]);
+        let chain = &self.tree.chain[last];
+        for e in 0..=self.tree.depth[last].min(DEEPEST - 1) {
+            let freedom = usize::from(chain[e]);
+            let turns = self.turns[freedom];
+            let moves = match arm {
+                Some(arm) => self.moves[freedom] + turns.cross(arm),
+                None => turns,
+            };
+            for way in 0..N {
+                on[e][way] = moves.dot(ways[way]);
+            }
         }
-        (j, goes)
+        on
     }
 
-    /// Adds three rows for each contact that this step of `dt` s reaches. Returns in `kept` which those are.
+    /// m/s at the root's origin and rad/s: how a link would go with those speeds of the freedoms.
+    fn goes(&self, link: usize, speeds: &Vector) -> (DVec3, DVec3) {
+        let last = self.tree.last[link];
+        let (mut moves, mut turns) = (DVec3::ZERO, DVec3::ZERO);
+        for freedom in &self.tree.chain[last][..=self.tree.depth[last]] {
+            let freedom = usize::from(*freedom);
+            moves += self.moves[freedom] * speeds[freedom];
+            turns += self.turns[freedom] * speeds[freedom];
+        }
+        (moves, turns)
+    }
+
+    /// Adds a row for each contact that this step of `dt` s reaches. Returns in `kept` which those are.
     pub(super) fn add_contacts(
         &mut self,
         touches: &[Touch],
@@ -90,15 +108,17 @@ impl Articulation {
         kept: &mut Vec<(usize, usize)>,
     ) {
         kept.clear();
+        let mut mover = None;
         for (index, touch) in touches.iter().enumerate() {
-            let far = touch.other.map(|body| (body, &loose[body]));
-            let apart =
-                |way: DVec3| -touch.surface.dot(way) - far.map_or(0.0, |(_, body)| body.motion_at(touch.at).dot(way));
-            let near = |way: DVec3| {
-                let (j, goes) = self.on_chain(touch.link, way, Some(touch.at), free);
-                ((self.tree.last[touch.link], j), goes + apart(way))
+            let (moves, turns) = match mover {
+                Some((link, goes)) if link == touch.link => goes,
+                _ => self.goes(touch.link, free),
             };
-            let (normal, closing) = near(touch.normal);
+            mover = Some((touch.link, (moves, turns)));
+            let far = touch.other.map(|body| (body, &loose[body]));
+            let surface = touch.surface + far.map_or(DVec3::ZERO, |(_, body)| body.motion_at(touch.at));
+            let goes = moves + turns.cross(touch.at - self.origin[0]) - surface;
+            let closing = goes.dot(touch.normal);
             if touch.gap > 0.0 && touch.gap + closing * dt > MISSED {
                 continue;
             }
@@ -109,14 +129,14 @@ impl Articulation {
                 ((-touch.gap - SLOP).max(0.0) * BACK / dt).min(BACK_AT_MOST).max(bounced)
             };
             let (a, b) = touch.normal.any_orthonormal_pair();
-            let (first, second) = (near(a), near(b));
-            let reach = |way: DVec3| far.map(|(body, other)| (body, other.reach(way, touch.at).map(|value| -value)));
-            let tools = (&self.tree, &self.factors);
-            let key = touch.key * 4;
-            kept.push((index, self.rows.rows.len()));
-            self.rows.add(tools, Kind::Normal, key, normal, reach(touch.normal), target - closing, touch.friction);
-            self.rows.add(tools, Kind::Across, key + 1, first.0, reach(a), -first.1, 0.0);
-            self.rows.add(tools, Kind::Across, key + 2, second.0, reach(b), -second.1, 0.0);
+            let ways = [touch.normal, a, b];
+            let near = self.on_chain(touch.link, ways, Some(touch.at));
+            let reach = |other: &Loose| ways.map(|way| other.reach(way, touch.at).map(|value| -value));
+            let far = far.map(|(body, other)| (body, reach(other)));
+            let wanted = [target - closing, -goes.dot(a), -goes.dot(b)];
+            kept.push((index, self.rows.contacts()));
+            let asked = Asked { key: touch.key, near, last: self.tree.last[touch.link], far, wanted };
+            self.rows.add_contact((&self.tree, &self.factors), touch.friction, &asked);
         }
     }
 
@@ -129,30 +149,32 @@ impl Articulation {
             let far = body.place + body.turn * weld.at[1];
             let wrong = (turn * weld.turn) * body.turn.inverse();
             let wrong = if wrong.w < 0.0 { -wrong } else { wrong }.to_scaled_axis();
+            let (moves, turns) = self.goes(weld.link, free);
+            let moves = moves + turns.cross(near - self.origin[0]) - body.motion_at(far);
+            let turns = turns - body.spin;
             for (way, axis) in DVec3::AXES.into_iter().enumerate() {
-                let last = self.tree.last[weld.link];
-                let (j, goes) = self.on_chain(weld.link, axis, Some(near), free);
-                let (k, turns) = self.on_chain(weld.link, axis, None, free);
                 let key = KEYS + 8 * index as u32 + way as u32;
-                let tools = (&self.tree, &self.factors);
-                let goes = goes - body.motion_at(far).dot(axis);
-                let back = (far - near).dot(axis) * CLOSES / dt;
-                let reach = body.reach(axis, far).map(|value| -value);
-                self.rows.add(tools, Kind::Weld, key, (last, j), Some((weld.body, reach)), back - goes, 0.0);
-                let turns = turns - body.spin.dot(axis);
-                let back = -wrong.dot(axis) * CLOSES / dt;
-                let twist = body.twist(axis).map(|value| -value);
-                self.rows.add(tools, Kind::Weld, key + 4, (last, k), Some((weld.body, twist)), back - turns, 0.0);
+                let along = (far - near) * (CLOSES / dt) - moves;
+                let about = -wrong * (CLOSES / dt) - turns;
+                for (key, point, reach, wanted) in [
+                    (key, Some(near), body.reach(axis, far), along.dot(axis)),
+                    (key + 4, None, body.twist(axis), about.dot(axis)),
+                ] {
+                    let far = Some((weld.body, [reach.map(|value| -value)]));
+                    let near = self.on_chain(weld.link, [axis], point);
+                    let asked = Asked { key, near, last: self.tree.last[weld.link], far, wanted: [wanted] };
+                    self.rows.add((&self.tree, &self.factors), Kind::Weld, &asked);
+                }
             }
         }
     }
 
     /// What the contacts in `kept` were given.
     pub(super) fn collect(&self, touches: &[Touch], kept: &[(usize, usize)], met: &mut Vec<Met>) {
-        for (index, row) in kept {
+        for (index, contact) in kept {
             let touch = touches[*index];
             let (a, b) = touch.normal.any_orthonormal_pair();
-            let [n, p, q] = [0, 1, 2].map(|next| self.rows.rows[row + next].impulse);
+            let [n, p, q] = self.rows.given(*contact);
             if n > 0.0 {
                 met.push(Met { touch, impulse: touch.normal * n + a * p + b * q });
             }

@@ -22,15 +22,16 @@ impl Factors {
     /// Factors what stands in the rows.
     pub(super) fn factor(&mut self, tree: &Tree) {
         for k in (0..tree.freedoms()).rev() {
-            let depth = tree.depth[k];
+            let depth = tree.depth[k].min(DEEPEST - 1);
             let chain = &tree.chain[k];
             let (lower, upper) = self.rows.split_at_mut(k);
             let row = &mut upper[0];
             let inverse = 1.0 / row[depth];
             for e in (0..depth).rev() {
                 let factor = row[e] * inverse;
-                for (to, from) in lower[usize::from(chain[e])][..=e].iter_mut().zip(row.iter()) {
-                    *to -= factor * from;
+                let to = &mut lower[usize::from(chain[e])];
+                for over in 0..=e {
+                    to[over] -= factor * row[over];
                 }
                 row[e] = factor;
             }
@@ -42,9 +43,9 @@ impl Factors {
     /// x of H x = b.
     pub(super) fn solve(&self, tree: &Tree, x: &mut Vector) {
         for i in (0..tree.freedoms()).rev() {
-            let value = x[i];
-            for (factor, e) in self.rows[i][..tree.depth[i]].iter().zip(&tree.chain[i]) {
-                x[usize::from(*e)] -= factor * value;
+            let (value, row, chain) = (x[i], &self.rows[i], &tree.chain[i]);
+            for e in 0..tree.depth[i].min(DEEPEST) {
+                x[usize::from(chain[e])] -= row[e] * value;
             }
         }
         x.iter_mut().zip(&self.inverse).for_each(|(value, inverse)| *value *= inverse);
@@ -54,24 +55,28 @@ impl Factors {
     /// L⁻¹ z: from the space in which rows are short vectors and the mass matrix is one, with `root` applied, to velocities.
     pub(super) fn back(&self, tree: &Tree, x: &mut Vector) {
         for i in 0..tree.freedoms() {
-            let mut value = x[i];
-            for (factor, e) in self.rows[i][..tree.depth[i]].iter().zip(&tree.chain[i]) {
-                value -= factor * x[usize::from(*e)];
+            let (mut value, row, chain) = (x[i], &self.rows[i], &tree.chain[i]);
+            for e in 0..tree.depth[i].min(DEEPEST) {
+                value -= row[e] * x[usize::from(chain[e])];
             }
             x[i] = value;
         }
     }
 
-    /// D^-1/2 L⁻ᵀ j of a row that stands on the chain of freedom `last`.
-    pub(super) fn halve(&self, tree: &Tree, last: usize, j: &mut [f64; DEEPEST]) {
+    /// D^-1/2 L⁻ᵀ j of directions that stand on the chain of freedom `last`.
+    pub(super) fn halve<const N: usize>(&self, tree: &Tree, last: usize, j: &mut [[f64; N]; DEEPEST]) {
         let chain = &tree.chain[last];
-        for e in (0..=tree.depth[last]).rev() {
+        for e in (0..=tree.depth[last].min(DEEPEST - 1)).rev() {
             let freedom = usize::from(chain[e]);
-            let value = j[e];
-            for (to, factor) in j[..e].iter_mut().zip(&self.rows[freedom]) {
-                *to -= factor * value;
+            let (value, row, root) = (j[e], &self.rows[freedom], self.root[freedom]);
+            for over in 0..e {
+                for way in 0..N {
+                    j[over][way] -= row[over] * value[way];
+                }
             }
-            j[e] = value * self.root[freedom];
+            for way in 0..N {
+                j[e][way] = value[way] * root;
+            }
         }
     }
 }

@@ -3,7 +3,7 @@
 
 use super::factor::Vector;
 use super::state::{Articulation, GRAVITY};
-use super::tree::{Joint, MOST};
+use super::tree::{DEEPEST, Joint, MOST};
 use glam::{DMat3, DQuat, DVec3};
 
 /// Mass, its moment and inertia about the root's origin.
@@ -63,10 +63,10 @@ impl Articulation {
                 let force = way * mass + turn.cross(moment);
                 let torque = inertia * turn + moment.cross(way);
                 let depth = self.tree.depth[freedom];
-                let row = &mut self.factors.rows[freedom];
-                for (value, over) in row[..=depth].iter_mut().zip(&self.tree.chain[freedom]) {
-                    let over = usize::from(*over);
-                    *value = self.turns[over].dot(torque) + self.moves[over].dot(force);
+                let (row, chain) = (&mut self.factors.rows[freedom], &self.tree.chain[freedom]);
+                for e in 0..=depth.min(DEEPEST - 1) {
+                    let over = usize::from(chain[e]);
+                    row[e] = self.turns[over].dot(torque) + self.moves[over].dot(force);
                 }
                 let bias = turn.dot(load.moment) + way.dot(load.force);
                 if held.joints & (1 << index) != 0 {

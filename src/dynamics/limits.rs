@@ -1,7 +1,7 @@
 //! The ends of the joints' ranges as rows: a hinge's angle; a ball joint's swing about two axes, and its twist (Grassia 1998: a rotation is
 //! a twist about the bone and then a swing of it).
 
-use super::rows::Kind;
+use super::rows::{Asked, Kind};
 use super::state::Articulation;
 use super::tree::DEEPEST;
 use glam::{DQuat, DVec3};
@@ -81,18 +81,18 @@ impl Articulation {
             for (which, end) in ends.into_iter().enumerate() {
                 let Some((left, away)) = end.filter(|(left, _)| *left < NEAR) else { continue };
                 let (first, last) = (self.tree.first[index], self.tree.last[index]);
-                let mut j = [0.0; DEEPEST];
+                let mut near = [[0.0]; DEEPEST];
                 let mut goes = 0.0;
                 // A ball joint's freedoms turn about the parent's axes; a hinge's about its own.
                 for (way, freedom) in (first..=last).enumerate() {
                     let value = if hinged { away.x } else { away[way] };
-                    j[self.tree.depth[freedom]] = value;
+                    near[self.tree.depth[freedom]] = [value];
                     goes += value * free[freedom];
                 }
                 let target = if left > 0.0 { -left / dt } else { (-left * BACK / dt).min(BACK_AT_MOST) };
                 let key = KEYS + 8 * index as u32 + which as u32;
-                let tools = (&self.tree, &self.factors);
-                self.rows.add(tools, Kind::Stop, key, (last, j), None, target - goes, 0.0);
+                let asked = Asked { key, near, last, far: None, wanted: [target - goes] };
+                self.rows.add((&self.tree, &self.factors), Kind::Stop, &asked);
             }
         }
     }

@@ -83,7 +83,7 @@ pub fn shrink(polygon: &[DVec2], distance: f64) -> Vec<DVec2> {
     }
     let cut = cut_inwards(polygon, distance);
     if !cut.is_empty() {
-        return cut;
+        return convex_hull(&cut);
     }
     let (mut holds, mut vanishes) = (0.0, distance);
     for _ in 0..40 {
@@ -91,7 +91,7 @@ pub fn shrink(polygon: &[DVec2], distance: f64) -> Vec<DVec2> {
         if cut_inwards(polygon, middle).is_empty() { vanishes = middle } else { holds = middle }
     }
     // The core is thin by construction: give back its line, or its point.
-    let core = cut_inwards(polygon, holds);
+    let core = convex_hull(&cut_inwards(polygon, holds));
     let mut ends = (polygon[0], polygon[0], -1.0);
     for (index, a) in core.iter().enumerate() {
         for b in &core[index..] {
@@ -149,11 +149,11 @@ fn closest_on_segment(a: DVec2, b: DVec2, point: DVec2) -> DVec2 {
 
 /// Cuts with every edge's half-plane moved inwards (Sutherland-Hodgman); empty when nothing is left.
 fn cut_inwards(polygon: &[DVec2], distance: f64) -> Vec<DVec2> {
-    let mut left = polygon.to_vec();
+    let (mut left, mut next) = (polygon.to_vec(), Vec::with_capacity(polygon.len() + 1));
     for (a, b) in edges(polygon) {
         let inward = (b - a).perp().normalize_or_zero();
         let depth = |point: DVec2| (point - a).dot(inward) - distance;
-        let mut next = Vec::with_capacity(left.len() + 1);
+        next.clear();
         for (from, to) in edges(&left) {
             let (from_depth, to_depth) = (depth(from), depth(to));
             if from_depth >= 0.0 {
@@ -163,12 +163,12 @@ fn cut_inwards(polygon: &[DVec2], distance: f64) -> Vec<DVec2> {
                 next.push(from + (to - from) * (from_depth / (from_depth - to_depth)));
             }
         }
-        left = next;
+        std::mem::swap(&mut left, &mut next);
         if left.is_empty() {
-            return left;
+            break;
         }
     }
-    convex_hull(&left)
+    left
 }
 
 #[cfg(test)]

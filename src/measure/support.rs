@@ -215,16 +215,20 @@ const BESIDE: f64 = 0.002;
 /// some that lie close together one stays.
 fn thinned(hull: &[DVec2]) -> impl Iterator<Item = DVec2> {
     let mut kept = hull.to_vec();
+    let beside = |kept: &[DVec2], index: usize| {
+        let (last, next) = (kept[(index + kept.len() - 1) % kept.len()], kept[(index + 1) % kept.len()]);
+        (next - last).normalize_or_zero().perp_dot(kept[index] - last).abs()
+    };
+    let mut far: Vec<f64> = (0..kept.len()).map(|index| beside(&kept, index)).collect();
     while kept.len() > 4 {
-        let beside = |index: usize| {
-            let (last, next) = (kept[(index + kept.len() - 1) % kept.len()], kept[(index + 1) % kept.len()]);
-            (next - last).normalize_or_zero().perp_dot(kept[index] - last).abs()
-        };
-        let least = (0..kept.len()).map(|index| (beside(index), index)).min_by(|a, b| a.0.total_cmp(&b.0));
-        match least.filter(|least| least.0 <= BESIDE) {
-            Some((_, index)) => kept.remove(index),
-            None => break,
-        };
+        let least = far.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
+        let Some((index, _)) = least.filter(|(_, least)| **least <= BESIDE) else { break };
+        kept.remove(index);
+        far.remove(index);
+        // Only its neighbours are now beside another line.
+        for near in [(index + kept.len() - 1) % kept.len(), index % kept.len()] {
+            far[near] = beside(&kept, near);
+        }
     }
     kept.into_iter()
 }

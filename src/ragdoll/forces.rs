@@ -12,8 +12,9 @@ const EDGES: usize = 4;
 /// Newton's steps at most, and what is left of the slope where it is found, of the largest it can be.
 const STEPS: usize = 40;
 const FOUND: f64 = 1e-12;
-/// Halvings of a step that goes too far.
-const BISECTIONS: usize = 12;
+/// Looks at most for where a step that goes too far is to end, and the share of the slope along it at its beginning that may be left.
+const LOOKS: usize = 12;
+const LEFT: f64 = 0.1;
 
 /// A corner that may bear.
 #[derive(Clone, Copy, Debug)]
@@ -45,9 +46,19 @@ pub struct Wanted {
 #[derive(Clone, Debug, Default)]
 pub struct Forces {
     shares: Vec<f64>,
-    columns: Vec<[f64; 6]>,
+    unknowns: Vec<Unknown>,
     edges: Vec<DVec3>,
     lack: [f64; 6],
+}
+
+/// The share of the weight that is borne along an edge of a corner's friction pyramid.
+#[derive(Clone, Copy, Debug)]
+struct Unknown {
+    /// What a share of 1 does, weighted as it counts.
+    column: [f64; 6],
+    /// 1 over what a share costs.
+    cheap: f64,
+    least: f64,
 }
 
 impl Forces {
@@ -68,23 +79,37 @@ impl Forces {
         let weight = mass * crate::maths::pendulum::GRAVITY;
         let [side, up, level, yaw] = wanted.weights;
         let scale = [side, up, side, level, yaw, level];
-        self.columns.clear();
+        self.unknowns.clear();
         self.edges.clear();
-        // The pelvis's angular acceleration as a linear function of the wrench: three columns of what `base` undoes.
+        // The pelvis's angular acceleration as a linear function of the wrench: the last three rows of what `base` undoes.
         let offset = base.solve(&bias.map(|value| -value));
+        let undone: Matrix6 = std::array::from_fn(|column| {
+            let mut unit = [0.0; 6];
+            unit[column] = 1.0;
+            base.solve(&unit)
+        });
+        let effect = |force: DVec3, arm: DVec3| {
+            let moment = arm.cross(force);
+            let mut effect = [0.0; 6];
+            for (way, column) in force.to_array().into_iter().chain(moment.to_array()).zip(&undone) {
+                for axis in 3..6 {
+                    effect[axis] += column[axis] * way;
+                }
+            }
+            (0..3).for_each(|axis| effect[axis] = force[axis] / mass);
+            effect.iter_mut().zip(scale).for_each(|(effect, scale)| *effect *= scale);
+            effect
+        };
         for (_, corner) in corners {
             let (a, b) = corner.normal.any_orthonormal_pair();
-            for (p, q) in [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)] {
-                let force = (corner.normal + (a * p + b * q) * friction) * weight;
-                let moment = (corner.at - com).cross(force);
-                let answer = base.solve(&[force.x, force.y, force.z, moment.x, moment.y, moment.z]);
-                let mut column = [0.0; 6];
-                for axis in 0..3 {
-                    column[axis] = scale[axis] * force[axis] / mass;
-                    column[3 + axis] = scale[3 + axis] * answer[3 + axis];
-                }
-                self.columns.push(column);
-                self.edges.push(force);
+            let along = corner.normal * weight;
+            let [a, b] = [a, b].map(|across| across * (friction * weight));
+            let [normal, first, second] = [along, a, b].map(|force| effect(force, corner.at - com));
+            let (cheap, least) = (1.0 / (ridge * corner.dear), corner.least / EDGES as f64);
+            for (force, across, sign) in [(a, first, 1.0), (b, second, 1.0), (a, first, -1.0), (b, second, -1.0)] {
+                let column = std::array::from_fn(|axis| normal[axis] + sign * across[axis]);
+                self.unknowns.push(Unknown { column, cheap, least });
+                self.edges.push(along + force * sign);
             }
         }
         let mut target = [0.0; 6];
@@ -93,9 +118,7 @@ impl Forces {
             target[axis] = scale[axis] * (wanted.linear[axis] - gravity);
             target[3 + axis] = scale[3 + axis] * (wanted.angular[axis] - offset[3 + axis]);
         }
-        let cost = |index: usize| ridge * corners[index / EDGES].1.dear;
-        let least = |index: usize| corners[index / EDGES].1.least / EDGES as f64;
-        self.lack = shares(&self.columns, &target, (&cost, &least), self.lack, &mut self.shares);
+        self.lack = shares(&self.unknowns, &target, self.lack, &mut self.shares);
         let (mut force, mut moment) = (DVec3::ZERO, DVec3::ZERO);
         for (index, (edge, share)) in self.edges.iter().zip(&self.shares).enumerate() {
             force += *edge * *share;
@@ -133,66 +156,75 @@ impl Forces {
 /// With y = b - A x what is lacking, each share is max(lᵢ, aᵢ·y / cᵢ), so that y alone is unknown: the least of the convex
 /// ½|y|² - b·y + Σ hᵢ(aᵢ·y), hᵢ' = max(lᵢ, ·/cᵢ), which Newton's steps with a line search reach in a few (a system of six each): exact
 /// once the set of loaded edges is.
-fn shares(
-    columns: &[[f64; 6]],
-    target: &[f64; 6],
-    (cost, least): (&dyn Fn(usize) -> f64, &dyn Fn(usize) -> f64),
-    begin: [f64; 6],
-    shares: &mut Vec<f64>,
-) -> [f64; 6] {
+fn shares(unknowns: &[Unknown], target: &[f64; 6], begin: [f64; 6], shares: &mut Vec<f64>) -> [f64; 6] {
     let mut lack = if begin.iter().all(|value| value.is_finite()) { begin } else { [0.0; 6] };
-    let share = |index: usize, lack: &[f64; 6]| (dot(&columns[index], lack) / cost(index)).max(least(index));
     // The slope of the convex function: lack + A x(lack) - b.
     let slope = |lack: &[f64; 6]| {
         let mut slope = *lack;
         add(&mut slope, target, -1.0);
-        (0..columns.len()).for_each(|index| add(&mut slope, &columns[index], share(index, lack)));
+        unknowns.iter().for_each(|unknown| add(&mut slope, &unknown.column, unknown.share(lack)));
         slope
     };
     let enough = FOUND * (1.0 + dot(target, target));
+    let mut down = slope(&lack);
     for _ in 0..STEPS {
-        let down = slope(&lack);
         if dot(&down, &down) <= enough * enough {
             break;
         }
-        let mut curve: Matrix6 = [[0.0; 6]; 6];
-        curve.iter_mut().enumerate().for_each(|(axis, row)| row[axis] = 1.0);
-        for (index, column) in columns.iter().enumerate() {
-            if dot(column, &lack) / cost(index) > least(index) {
-                for (row, value) in curve.iter_mut().zip(column) {
-                    add(row, column, value / cost(index));
-                }
-            }
-        }
-        let way = Factored::new(curve, 1e-12).solve(&down.map(|value| -value));
+        let way = Factored::new(curve(unknowns, &lack), 1e-12).solve(&down.map(|value| -value));
         // The slope along the way only rises: where it is 0 lies between a step that is too short and one that is too long.
-        let along = |step: f64| {
+        let falls = dot(&down, &way);
+        let (mut short, mut long, mut step) = ((0.0, falls), (1.0, f64::NAN), 1.0);
+        for look in 0..LOOKS {
+            if look > 0 {
+                let share = -short.1 / (long.1 - short.1);
+                step = short.0 + (long.0 - short.0) * share.clamp(0.1, 0.9);
+            }
             let mut at = lack;
             add(&mut at, &way, step);
-            dot(&slope(&at), &way)
-        };
-        let mut step = 1.0;
-        if along(step) > 0.0 {
-            let (mut short, mut long) = (0.0, 1.0);
-            for _ in 0..BISECTIONS {
-                step = 0.5 * (short + long);
-                if along(step) > 0.0 { long = step } else { short = step }
+            down = slope(&at);
+            let along = dot(&down, &way);
+            if along.abs() <= LEFT * falls.abs() || (look == 0 && along <= 0.0) {
+                break;
             }
+            *(if along > 0.0 { &mut long } else { &mut short }) = (step, along);
         }
         add(&mut lack, &way, step);
     }
     shares.clear();
-    shares.extend((0..columns.len()).map(|index| share(index, &lack)));
+    shares.extend(unknowns.iter().map(|unknown| unknown.share(&lack)));
     lack
 }
 
+/// How the slope of the convex function changes.
+fn curve(unknowns: &[Unknown], lack: &[f64; 6]) -> Matrix6 {
+    let mut curve: Matrix6 = [[0.0; 6]; 6];
+    curve.iter_mut().enumerate().for_each(|(axis, row)| row[axis] = 1.0);
+    for Unknown { column, cheap, least } in unknowns {
+        if dot(column, lack) * cheap > *least {
+            for (row, value) in curve.iter_mut().zip(column) {
+                add(row, column, value * cheap);
+            }
+        }
+    }
+    curve
+}
+
+impl Unknown {
+    /// The share that goes with what is lacking.
+    fn share(&self, lack: &[f64; 6]) -> f64 {
+        (dot(&self.column, lack) * self.cheap).max(self.least)
+    }
+}
+
 fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    // Two sums, for one number must wait for the one before.
+    (a[0] * b[0] + a[2] * b[2] + a[4] * b[4]) + (a[1] * b[1] + a[3] * b[3] + a[5] * b[5])
 }
 
 fn add(to: &mut [f64; 6], column: &[f64; 6], share: f64) {
-    for (to, column) in to.iter_mut().zip(column) {
-        *to += column * share;
+    for axis in 0..6 {
+        to[axis] += column[axis] * share;
     }
 }
 
@@ -242,7 +274,10 @@ mod tests {
                 dot(&left, &left) + x.iter().zip(&cost).map(|(x, c)| c * x * x).sum::<f64>()
             };
             let begin = if round % 2 == 0 { [0.0; 6] } else { [30.0, -50.0, 20.0, 5.0, -80.0, 7.0] };
-            shares(&columns, &target, (&|index| cost[index], &|index| least[index]), begin, &mut found);
+            let unknowns = columns.iter().zip(cost.iter().zip(&least));
+            let unknowns =
+                unknowns.map(|(column, (cost, least))| Unknown { column: *column, cheap: 1.0 / cost, least: *least });
+            shares(&unknowns.collect::<Vec<_>>(), &target, begin, &mut found);
             // Sweeps creep up to the least; it is never under it.
             assert!(objective(&found) <= objective(&wanted) + 1e-12, "{round}");
             for (found, wanted) in found.iter().zip(&wanted) {

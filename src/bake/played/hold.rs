@@ -80,6 +80,13 @@ impl Held {
         })
     }
 
+    /// Whether it is on its way into a hold or out of one then, or in its first or last two ticks.
+    pub(super) fn changes(&self, time: f64) -> bool {
+        let edge = 2.0 * self.dt;
+        let within = |hold: &Hold| self.start(hold) + edge <= time && time <= self.end(hold) - edge;
+        self.acts(time) && !self.holds.iter().any(within)
+    }
+
     fn start(&self, hold: &Hold) -> f64 {
         hold.from as f64 * self.dt
     }

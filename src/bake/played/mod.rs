@@ -242,10 +242,17 @@ impl Played {
             self.joints.iter().copied().filter(|joint| !legs[1 - side].contains(joint)).collect()
         };
         let joints = [of(0), of(1)];
-        for index in 0..=self.stands {
-            let pose = self.pose_at(run.body, run.anatomy, run.terrain, index as f64 * self.dt);
+        // Between two ticks, too, where a hold begins or ends: a leg that is almost straight bends the most on its way.
+        for half in 0..=2 * self.stands {
+            let (index, time) = (half / 2, 0.5 * half as f64 * self.dt);
+            if half % 2 == 1 && !self.held.iter().any(|held| held.changes(time)) {
+                continue;
+            }
+            let own = self.run_at(time);
+            let pose = self.pose_at(run.body, run.anatomy, run.terrain, time);
             for side in 0..2 {
-                if !drift::between(run.body, &joints[side], &self.run[index], &pose).within(&MOST) {
+                let counted = found[side].last() == Some(&index);
+                if !counted && !drift::between(run.body, &joints[side], &own, &pose).within(&MOST) {
                     found[side].push(index);
                 }
             }
