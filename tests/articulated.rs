@@ -6,6 +6,7 @@
 
 use crate::common::builtin;
 use glam::DVec3;
+use surefoot::maths::quat::{wrap_angle, yaw_of};
 use surefoot::maths::seed::Seed;
 use surefoot::measure::{KnownPush, PushPoint};
 use surefoot::model::{Body, BodyPose, Physique, Role, Terrain};
@@ -13,6 +14,7 @@ use surefoot::ragdoll::control::Assist;
 use surefoot::ragdoll::dynamics::{Acceleration, LegMap, Motion};
 use surefoot::ragdoll::{Figure, Locks, World};
 use surefoot::sim::{Ahead, Articulated, ArticulatedOptions, simulate_articulated};
+use surefoot::stepper::StepKind;
 use surefoot::whole_body::reaction::Personality;
 use surefoot::whole_body::{Anatomy, Solver, stand};
 
@@ -66,6 +68,46 @@ fn recovers_on_its_own_from_300_newtons_from_sixteen_directions() {
         assert!(run.trace.lost.is_none(), "falls towards {degrees} degrees");
         assert_eq!((run.help.torque[0], run.help.force[0]), (0.0, 0.0), "helped towards {degrees} degrees");
         assert!(run.peak_torque <= 500.0 + 1e-9, "{} Nm", run.peak_torque);
+    }
+}
+
+#[test]
+fn who_was_turned_by_a_shove_faces_again_where_he_faced() {
+    let body = builtin().body;
+    let facing = |pose: &BodyPose| wrap_angle(yaw_of(pose.turns[0])).abs();
+    let mut turned = 0;
+    for index in 0..8 {
+        let degrees = f64::from(index) * 45.0 + 20.0;
+        let run = run(&body, &[shove(&body, 450.0, 0.2, degrees)], 6.0, FREE);
+        assert!(run.trace.lost.is_none(), "falls towards {degrees} degrees");
+        let most = run.poses.iter().map(facing).fold(0.0, f64::max).to_degrees();
+        let last = facing(&run.poses[run.poses.len() - 1]).to_degrees();
+        println!("towards {degrees}: turned by {most:.0} degrees, {last:.1} at the end");
+        turned += usize::from(most > 20.0);
+        assert!(last < 8.0, "towards {degrees} degrees it ends turned by {last:.1} of {most:.0} degrees");
+    }
+    assert!(turned >= 2, "shoves that turn nobody prove nothing");
+}
+
+#[test]
+fn raised_arms_come_down_soon_after_the_last_step_against_a_fall() {
+    let body = builtin().body;
+    let chest = body.joint(Role::Chest).expect("a chest");
+    let arms = [Role::LeftUpperArm, Role::RightUpperArm].map(|role| body.joint(role).expect("an arm"));
+    for degrees in [0.0, 90.0, 180.0, 225.0] {
+        let run = run(&body, &[shove(&body, 400.0, 0.2, degrees)], 7.0, FREE);
+        let hangs = |pose: &BodyPose| arms.map(|arm| pose.turns[chest].inverse() * pose.turns[arm]);
+        let still = hangs(&run.poses[0]);
+        let raised = |pose: &BodyPose| {
+            let now = hangs(pose);
+            f64::max(now[0].angle_between(still[0]), now[1].angle_between(still[1])).to_degrees()
+        };
+        let caught = run.trace.steps.iter().filter(|step| step.kind == StepKind::Corrective).map(|step| step.land);
+        let caught = caught.fold(0.7, f64::max);
+        let most = run.poses.iter().map(raised).fold(0.0, f64::max);
+        let later = run.poses[((caught + 1.3) / run.trace.dt) as usize..].iter().map(raised).fold(0.0, f64::max);
+        println!("towards {degrees}: {most:.0} degrees, {later:.0} from {:.2} s on", caught + 1.3);
+        assert!(most > 25.0 && later < 12.0, "towards {degrees}: {later:.0} of {most:.0} degrees");
     }
 }
 

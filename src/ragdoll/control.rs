@@ -17,7 +17,7 @@ use super::world::{LinkState, World};
 use super::{flat, short};
 use crate::maths::hull::{closest_point, signed_distance};
 use crate::maths::pendulum::GRAVITY;
-use crate::maths::quat::{wrap_angle, yaw_of};
+use crate::maths::quat::yaw_of;
 use crate::model::{Side, Terrain};
 use glam::{DQuat, DVec2, DVec3};
 
@@ -94,6 +94,7 @@ pub struct Controller {
     pub(super) stand_height: f64,
     pub(super) pelvis_height: f64,
     pub(super) heading: f64,
+    pub(super) home: f64, // rad, where it faced before it was pushed about
     pub(super) last: Option<Side>,
     pub(super) push: DVec3,
     pub(super) before: Option<(DVec3, DVec3)>, // velocity and commanded force a tick ago
@@ -114,6 +115,7 @@ pub struct Controller {
     pub(super) quiet: f64,
     pub(super) stance_width: f64,
     pub(super) alarmed: f64,
+    pub(super) fought: f64, // s, when it last stepped against a fall or was about to
     pub(super) upper_inertia: f64,
     pub(super) stopped: Vec<DVec3>,
     pub(super) aimed: f64,
@@ -152,6 +154,7 @@ impl Controller {
             gait: Gait::default(),
             aimed: states[0].origin.y,
             heading: yaw_of(states[0].turn),
+            home: yaw_of(states[0].turn),
             last: None,
             push: DVec3::ZERO,
             before: None,
@@ -170,6 +173,7 @@ impl Controller {
             quiet: 0.0,
             stance_width,
             alarmed: f64::NEG_INFINITY,
+            fought: f64::NEG_INFINITY,
             upper_inertia: figure.links[figure.trunk].carried + figure.links[0].carried.min(3.0),
             middle,
         }
@@ -252,6 +256,10 @@ impl Controller {
         let fast = (flat(self.motion.velocity).length() / self.size.sqrt() - 0.8).clamp(0.0, 1.0);
         if self.swing.is_some_and(|swing| !swing.comfort) || signed_distance(&hull, xi) > -0.02 * self.size {
             self.alarmed = self.time;
+            // Who sets a foot beside the other at his ease is over its edge as well, and fights nothing.
+            if self.swing.is_none_or(|swing| !swing.comfort) && self.shifting.is_none() {
+                self.fought = self.time;
+            }
         }
         let moment =
             (tuning.moment[0] + if moving { tuning.moment[1] * fast } else { 0.0 }) * (mass / 89.5) * self.size;
@@ -289,13 +297,10 @@ impl Controller {
     ) {
         let tuning = self.tuning;
         let mass = self.motion.mass;
-        let moving = self.swing.is_some();
         let (goal, cop) = self.pressure(figure, xi);
         let linear = self.carried(figure, terrain, cop, height, floor, dt);
         // Pelvis and trunk upright, towards the heading.
-        if moving && !self.gait.walks() {
-            self.heading += 0.03 * wrap_angle(yaw_of(self.states[0].turn) - self.heading);
-        }
+        self.face(figure, dt);
         let facing = DQuat::from_rotation_y(self.heading);
         let turn = |link: usize, wanted: DQuat, gains: [f64; 2], most: f64| {
             let error = short(wanted * self.states[link].turn.inverse());

@@ -12,6 +12,16 @@ use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
 
 impl Controller {
+    /// s since it last stepped against a fall or was about to.
+    pub fn at_ease(&self) -> f64 {
+        self.time - self.fought
+    }
+
+    /// Times of a body with legs of 0.83 m are so many times as long for this one.
+    pub fn tempo(&self) -> f64 {
+        self.size.sqrt()
+    }
+
     /// m, around the soles of the feet that stand, (x, z).
     pub(super) fn hull(&self, figure: &Figure) -> Vec<DVec2> {
         self.hull_of(figure, f64::INFINITY)
@@ -204,7 +214,7 @@ impl Controller {
         } else if self.quiet > 0.15 * tempo {
             let off = |side: Side| {
                 let turned = wrap_angle(self.foot(figure, side).1 - self.heading).abs();
-                feet[side as usize].distance(beside(side)) / self.size + 0.3 * turned
+                feet[side as usize].distance(beside(side)) / self.size + 0.45 * turned
             };
             let (left, right) = (off(Side::Left), off(Side::Right));
             if left.max(right) > 0.09 {

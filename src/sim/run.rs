@@ -4,13 +4,14 @@ use super::articulated::{BrokenBody, Things};
 use super::balls::Balls;
 use super::record::{hung, state_of};
 use super::{ArticulatedOptions, SessionPush, TickState};
+use crate::maths::curve::smooth3;
 use crate::maths::quat::yaw_of;
 use crate::measure::{KnownPush, PushPoint};
 use crate::model::{Body, BodyPose, Load, Physique, Plant, Side, Terrain};
 use crate::ragdoll::control::Report;
 use crate::ragdoll::figure::Part;
 use crate::ragdoll::{Controller, Figure, LinkState, Tuning, World, fall};
-use crate::whole_body::reaction::{Personality, Reaction, upper_turns};
+use crate::whole_body::reaction::{Personality, Reaction, Senses, upper_turns};
 use crate::whole_body::solve::PoseTarget;
 use crate::whole_body::stand::relaxed_arms;
 use crate::whole_body::{Anatomy, ArmAngles, Solver, stand};
@@ -23,6 +24,11 @@ const LONGEST_FALL: f64 = 2.5;
 const LIES: (f64, f64) = (0.3, 0.08);
 /// m/s, slower it rests.
 const RESTS: f64 = 0.05;
+/// s at legs of 0.83 m after the last push and the last step against a fall: from when on a body feels safe, and when it does in full.
+/// With how long alarm and arms take to fade, arms are down within a second, as people's are.
+const SAFE: [f64; 2] = [0.1, 0.4];
+/// Of the kinematic body's time, what arms take to come down: these have to be moved, which takes time of its own.
+const LOWERS: f64 = 0.6;
 
 /// What does not change in a run.
 pub(super) struct Course<'a> {
@@ -53,6 +59,7 @@ pub(super) struct Run {
     carried: Option<usize>,
     reaction: Reaction,
     velocity: Option<DVec3>,
+    pushed: f64, // s, when something last pushed it
 }
 
 /// What a tick knows before the world goes on.
@@ -108,8 +115,9 @@ impl Run {
             acting: course.pushes.iter().map(act).collect(),
             rest: 0.0,
             carried: None,
-            reaction: Reaction::new(course.physique, options.personality, options.arms),
+            reaction: Reaction::new(course.physique, options.personality, options.arms).unhurried(LOWERS),
             velocity: None,
+            pushed: f64::NEG_INFINITY,
         })
     }
 
@@ -133,7 +141,11 @@ impl Run {
         let before = self.velocity.replace(report.velocity).unwrap_or(report.velocity);
         let pushed = (force + hit, moment + hit_moment);
         let state = state_of(course, &self.control, &report, pushed, (report.velocity - before) / dt, &ground);
-        let angles = self.reaction.tick(&state.senses(false), dt);
+        if pushed.0 != DVec3::ZERO {
+            self.pushed = time;
+        }
+        let senses = Senses { safe: self.safe(time), ..state.senses(false) };
+        let angles = self.reaction.tick(&senses, dt);
         let (_, _, _, arms) = upper_turns(&angles);
         self.pose_arms(figure, &self.at_walk(arms));
         if let Some(hold) = (things.hold)(time + dt) {
@@ -152,6 +164,13 @@ impl Run {
             height: over / course.physique.com_height,
             ground,
         }
+    }
+
+    /// How sure it is of its balance, 0 to 1.
+    fn safe(&self, time: f64) -> f64 {
+        let since = (time - self.pushed).min(self.control.at_ease());
+        let [from, to] = SAFE.map(|safe| safe * self.control.tempo());
+        smooth3((since - from) / (to - from))
     }
 
     /// The world's part: balls are let loose, everything moves.

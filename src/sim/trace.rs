@@ -69,6 +69,7 @@ impl TickState {
             wanted: self.walk,
             crouched: self.crouched,
             on_one,
+            safe: 0.0,
             feet: self.feet,
             planted: self.planted,
             facing: self.facing,

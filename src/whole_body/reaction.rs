@@ -38,6 +38,8 @@ pub struct Senses {
     pub crouched: f64,
     /// It is told to stand on one foot.
     pub on_one: bool,
+    /// 0..1, how sure it is of its balance wherever it stands over its feet: arms that were raised come down.
+    pub safe: f64,
     /// Left and right foot.
     pub feet: [Plant; 2],
     /// Which of them carry.
@@ -294,7 +296,7 @@ impl Reaction {
         self.walked = willed.max(self.walked - dt / (2.0 * scale));
         self.shoved = self.shoved * (-dt / (1.5 * scale)).exp() + senses.push.length() / self.physique.mass * dt;
         let pace = (GRAVITY * self.physique.com_height).sqrt();
-        let raw = raw * (self.shoved / (0.05 * pace)).min(1.0).max(1.0 - self.walked);
+        let raw = raw * (self.shoved / (0.05 * pace)).min(1.0).max(1.0 - self.walked) * (1.0 - senses.safe);
         self.alarm_line.push(raw);
         let delay = ((HEARS + 0.02 * self.personality.arms_delay) * scale / dt).round() as usize;
         let heard =

@@ -121,6 +121,7 @@ mod tests {
             wanted: DVec2::new(0.0, speed),
             crouched: 0.0,
             on_one: false,
+            safe: 0.0,
             feet: Side::BOTH
                 .map(|side| Plant::level(DVec3::new(0.1 * side.sign(), 0.0, 0.5 * side.sign() * left_ahead), 0.0)),
             planted: [true; 2],
