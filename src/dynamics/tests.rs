@@ -377,7 +377,7 @@ fn joints_stop_at_the_ends_of_their_ranges() {
 fn a_joint_whose_angles_are_read_about_axes_of_its_own_stops_at_their_ends() {
     for reading in [Reading::Turns, Reading::Swing] {
         let range = [[-1.5, 0.3], [-0.3, 0.6], [-0.4, 0.4]];
-        let (before, after) = (DQuat::from_rotation_y(0.3), DQuat::from_rotation_x(0.1));
+        let (before, after) = (DQuat::from_rotation_z(0.1), DQuat::from_rotation_x(-0.1));
         let axes = Axes { reading, before, after, range };
         let thigh = Link {
             range: Range::Axes(axes),

@@ -60,7 +60,12 @@ pub fn pops(track: &Track) -> Vec<Pop> {
 
 /// rad, what so many steps from one on are together, where that is a jump that neither the step before nor the one after explains.
 fn jump(steps: &[f64], at: usize, count: usize, least: f64) -> Option<f64> {
-    let sum: f64 = steps.get(at..at + count)?.iter().sum();
+    let taken = steps.get(at..at + count)?;
+    let sum: f64 = taken.iter().sum();
+    // Of two frames both are part of it.
+    if taken.iter().any(|step| POP_FACTOR * step < sum) {
+        return None;
+    }
     let before = at.checked_sub(1).map(|before| steps[before]);
     let around = before.into_iter().chain(steps.get(at + count).copied()).reduce(f64::max)?;
     (sum > least && sum > POP_FACTOR * around * count as f64).then_some(sum)
