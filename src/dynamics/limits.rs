@@ -1,6 +1,7 @@
 //! The ends of the joints' ranges as rows: a hinge's angle; a ball joint's swing about two axes, and its twist (Grassia 1998: a rotation is
 //! a twist about the bone and then a swing of it).
 
+use super::axes::Axes;
 use super::rows::{Asked, Kind};
 use super::state::Articulation;
 use super::tree::DEEPEST;
@@ -24,6 +25,8 @@ pub enum Range {
     Hinge([f64; 2]),
     /// Of a ball joint.
     Ball(Swing),
+    /// Of a ball joint whose angles are read about axes of its own.
+    Axes(Axes),
 }
 
 /// The range of a ball joint from its rest.
@@ -40,7 +43,7 @@ pub struct Swing {
 }
 
 /// One end of a range: how far it still is (rad; under 0 past it), and about which axis (parent's frame) a turn leads away from it.
-type End = (f64, DVec3);
+pub(super) type End = (f64, DVec3);
 
 impl Swing {
     /// The low and the high end of the swing about both axes and of the twist.
@@ -76,6 +79,7 @@ impl Articulation {
                     [Some((angle - low, DVec3::X)), Some((high - angle, DVec3::NEG_X)), None, None, None, None]
                 }
                 Range::Ball(swing) => swing.ends(self.relative[index]),
+                Range::Axes(axes) => axes.ends(self.relative[index]),
             };
             let hinged = matches!(self.tree.links[index].range, Range::Hinge(_));
             for (which, end) in ends.into_iter().enumerate() {

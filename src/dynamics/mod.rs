@@ -5,6 +5,7 @@
 //! contacts and ranges (`rows`), and travels. Nothing is allocated in a tick once its lists have grown. It knows no ground: who steps it
 //! lists what may be touched. The same input gives the same bits.
 
+mod axes;
 mod contacts;
 mod factor;
 mod inertia;
@@ -17,6 +18,7 @@ mod step;
 mod tests;
 mod tree;
 
+pub use axes::{Axes, Reading};
 pub use contacts::{Met, Touch, Weld};
 pub use limits::{Range, Swing};
 pub use loose::Loose;

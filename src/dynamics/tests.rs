@@ -397,6 +397,36 @@ fn joints_stop_at_the_ends_of_their_ranges() {
 }
 
 #[test]
+fn a_joint_whose_angles_are_read_about_axes_of_its_own_stops_at_their_ends() {
+    for reading in [Reading::Turns, Reading::Swing] {
+        let range = [[-1.5, 0.3], [-0.3, 0.6], [-0.4, 0.4]];
+        let (before, after) = (DQuat::from_rotation_z(0.1), DQuat::from_rotation_x(-0.1));
+        let axes = Axes { reading, before, after, range };
+        let thigh = Link {
+            range: Range::Axes(axes),
+            ..link(Some(0), Joint::Ball, DVec3::NEG_Y * 0.1, 8.0, DVec3::NEG_Y * 0.2)
+        };
+        for torque in [DVec3::X * 60.0, DVec3::NEG_X * 60.0, DVec3::Z * 40.0, DVec3::NEG_Z * 40.0, DVec3::Y * 10.0] {
+            let mut body = made(vec![fixed(), thigh]);
+            let mut around = Around::default();
+            let (mut past, mut moved) = (0.0_f64, 0.0_f64);
+            for _ in 0..300 {
+                body.let_go();
+                body.push(0, DVec3::Y * (G * 1e7), DVec3::ZERO, DVec3::ZERO);
+                body.push(1, DVec3::ZERO, DVec3::ZERO, torque);
+                body.drive(1, DVec3::ZERO, DVec3::splat(1.5), DVec3::ZERO);
+                body.step(&mut around, 0.01, 2, &mut |_, _, _, _| {});
+                moved = moved.max(body.relative[1].to_scaled_axis().length());
+                for ((angle, _), [low, high]) in axes.angles(body.relative[1]).into_iter().zip(range) {
+                    past = past.max(angle - high).max(low - angle);
+                }
+            }
+            assert!(past < 0.03 && moved > 0.25, "{reading:?} {torque}: {past} rad past, moved {moved}");
+        }
+    }
+}
+
+#[test]
 fn the_same_run_gives_the_same_bits() {
     let run = || {
         let mut body = tumbling();

@@ -17,6 +17,7 @@ use glam::{DQuat, DVec2, DVec3, dvec3};
 /// rad, beyond a bound that is not counted.
 pub const LIMIT_TOLERANCE: f64 = 1.0 * DEGREE;
 const HIP: [[f64; 2]; 2] = [[-30.0, 125.0], [-30.0, 45.0]]; // degrees, flexion and abduction
+const ROTATION: [f64; 2] = [-45.0, 45.0]; // degrees, of the hip
 const ANKLE: [[f64; 2]; 2] = [[-50.0, 30.0], [-20.0, 30.0]]; // degrees, flexion and inversion
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
@@ -132,6 +133,43 @@ impl LegAngles {
     pub fn ranges(&self, side: Side) -> [[f64; 2]; 4] {
         self.ranges[side as usize]
     }
+
+    /// How hip and ankle are read off the turns of a leg's bones against those of a stand; `None` for a leg that is not whole.
+    pub fn axes(&self, stand: &BodyPose, side: Side) -> Option<[JointAxes; 2]> {
+        let limb = self.neutral.limbs.iter().find(|limb| !limb.arm && limb.side == side)?;
+        let (upper, shank, foot) = (limb.joints[0]?, limb.joints[1]?, limb.joints[2]?);
+        let ahead = DQuat::from_rotation_y(limb.forward.x.atan2(limb.forward.z));
+        let hip = [self.neutral.upright * stand.turns[0].inverse(), stand.turns[upper] * limb.rest[0]];
+        let ankle = [(stand.turns[shank] * limb.rest[1] * ahead).inverse(), stand.turns[foot] * limb.level[0] * ahead];
+        let sided = |[low, high]: [f64; 2]| if side == Side::Left { [low, high] } else { [-high, -low] };
+        let turned = |[low, high]: [f64; 2]| [-high, -low];
+        let [flexion, abduction, dorsal, inversion] = self.ranges(side);
+        let rotation = ROTATION.map(f64::to_radians);
+        Some([
+            JointAxes {
+                before: hip[0],
+                after: hip[1],
+                range: [turned(flexion), sided(abduction), sided(turned(rotation))],
+            },
+            JointAxes {
+                before: ankle[0],
+                after: ankle[1],
+                range: [turned(dorsal), sided(turned(inversion)), [-std::f64::consts::PI, std::f64::consts::PI]],
+            },
+        ])
+    }
+}
+
+/// How the angles of a joint are read off its bone's turn R against the stand, in the parent's: off `before` R `after`. A hip's are those of
+/// turns about x, then z, then y; an ankle's a swing of the y axis about x and z as they go with the twist about y before it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointAxes {
+    /// Left of the turn.
+    pub before: DQuat,
+    /// Right of it.
+    pub after: DQuat,
+    /// rad, least and most about x (forwards bends a trunk by more, a limb by less), z and y.
+    pub range: [[f64; 2]; 3],
 }
 
 /// What the neutral stand of a body is, seen from its rest.
@@ -216,7 +254,7 @@ impl Neutral {
                 let [flexion, abduction, rotation] = hip_angles(pelvis.inverse() * upper_turn * limb.rest[0], out_sign);
                 add(role, "flexion", flexion, HIP[0][0], HIP[0][1]);
                 add(role, "abduction", abduction, HIP[1][0], HIP[1][1]);
-                add(role, "rotation", rotation, -45.0, 45.0);
+                add(role, "rotation", rotation, ROTATION[0], ROTATION[1]);
             }
             let Some(lower) = limb.joints[1] else { continue };
             let lower_turn = pose.turns[lower];

@@ -15,7 +15,7 @@ use super::residual::{Units, residual};
 use super::score::score;
 use super::scuff::{Scuff, grounded, slides};
 use super::stance::{EndStance, end_stance};
-use super::support::{SMEARED, Support, support};
+use super::support::{SMEARED, Support, support_near};
 use super::zmp::{self, ZmpFindings};
 use super::{HeldContact, KnownPush, Motion, Track};
 use crate::model::{Load, Terrain, report::Plausibility};
@@ -115,11 +115,9 @@ fn measure_track(track: &Track, contacts: &[HeldContact], pushes: &[KnownPush], 
     let motion = track.motion;
     let units = Units::of(motion.body);
     let dynamics = dynamics(track, pushes);
-    // The forces that a motion needs are filtered, so a landing's blow shows before the contact begins: the contacts are spread as far.
-    let spread =
-        |contact: &HeldContact| HeldContact { start: contact.start - SMEARED, end: contact.end + SMEARED, ..*contact };
-    let smeared: Vec<HeldContact> = contacts.iter().map(spread).collect();
-    let supports: Vec<Option<Support>> = (0..track.len()).map(|sample| support(track, &smeared, sample)).collect();
+    // The forces that a motion needs are filtered, so a landing's blow shows before the contact begins.
+    let supports: Vec<Option<Support>> =
+        (0..track.len()).map(|sample| support_near(track, contacts, sample, SMEARED)).collect();
     let residuals: Vec<Wrench> = supports
         .iter()
         .enumerate()

@@ -4,7 +4,7 @@
 //! of it. Sole vertices are taken at the pose and projected onto the contact's plane along its normal, so that a sole
 //! that hovers or sinks by a hair supports as the contact claims; `feet` says by how much it does.
 
-use super::scuff::{Scuff, Touching, touching};
+use super::scuff::{Touching, touching};
 use super::{HeldContact, Track};
 use crate::maths::hull::{closest_point, convex_hull, signed_distance};
 use crate::model::{Body, FootShape, Side, report::Part};
@@ -16,8 +16,9 @@ const SAME_PLANE_ANGLE: f64 = 0.035;
 /// m.
 const SAME_PLANE_GAP: f64 = 0.01;
 
-/// s, how far the filter of the forces (7 Hz, zero lag: 1 / 2πf to each side is 0.023 s) spreads a blow, and a sample on.
-pub const SMEARED: f64 = 0.03;
+/// s, how far the filter of the forces (7 Hz, zero lag) spreads a blow: what is farther off weighs 4 % on either side (what is farther than
+/// 0.03 s, 8 %, and a landing's blow is several times the body's weight).
+pub const SMEARED: f64 = 0.05;
 
 /// The support of one sample.
 #[derive(Clone, Debug)]
@@ -38,11 +39,16 @@ pub struct Support {
 
 /// The support at a sample; `None` in flight.
 pub fn support(track: &Track, contacts: &[HeldContact], sample: usize) -> Option<Support> {
+    support_near(track, contacts, sample, 0.0)
+}
+
+/// What carries at a sample or up to `near` s before or after it, where it is when it carries; `None` in flight.
+pub fn support_near(track: &Track, contacts: &[HeldContact], sample: usize, near: f64) -> Option<Support> {
     let time = track.motion.time(sample);
-    let holds = |contact: &&HeldContact| contact.start - 1e-6 <= time && time <= contact.end + 1e-6;
+    let holds = |contact: &&HeldContact| contact.start - near - 1e-6 <= time && time <= contact.end + near + 1e-6;
     let holding: Vec<HeldContact> =
         contacts.iter().filter(holds).map(|contact| track.placed(contact, sample)).collect();
-    let scuffs = touching_then(track, &holding, time, sample);
+    let scuffs = touching_then(track, time);
     let planes: Vec<HeldContact> = holding.iter().chain(scuffs.iter().map(|scuff| &scuff.plane)).copied().collect();
     let first = *planes.first()?;
     let normal = planes.iter().map(|contact| contact.normal).sum::<DVec3>().normalize_or(first.normal);
@@ -61,7 +67,11 @@ pub fn support(track: &Track, contacts: &[HeldContact], sample: usize) -> Option
         points.clear();
         match index.checked_sub(holding.len()) {
             Some(scuff) => points.extend_from_slice(&scuffs[scuff].points),
-            None => part_points(track, sample, contact.side, contact.part, &mut points),
+            None => {
+                let within = track.motion.samples_in(contact.start, contact.end);
+                let held = if within.is_empty() { sample } else { sample.clamp(within.start, within.end - 1) };
+                part_points(track, held, contact.side, contact.part, &mut points);
+            }
         }
         if level {
             flat.extend(points.iter().map(|point| support.on_plane(*point)));
@@ -82,14 +92,14 @@ pub fn support(track: &Track, contacts: &[HeldContact], sample: usize) -> Option
     Some(support)
 }
 
-/// What of the feet that scuff then, and hold nothing, touches the ground.
-fn touching_then(track: &Track, holding: &[HeldContact], time: f64, sample: usize) -> Vec<Touching> {
-    let scuffs = |side: Side| {
-        let held = holding.iter().any(|contact| contact.side == side);
-        let within = |scuff: &Scuff| scuff.side == side && scuff.start - SMEARED <= time && time <= scuff.end + SMEARED;
-        !held && track.scuffs.iter().any(within)
-    };
-    Side::BOTH.into_iter().filter(|side| scuffs(*side)).filter_map(|side| touching(track, side, sample)).collect()
+/// What of the feet that scuff then or just before or after touches the ground in that time.
+fn touching_then(track: &Track, time: f64) -> Vec<Touching> {
+    let mut found: Vec<Touching> = Vec::new();
+    for scuff in track.scuffs {
+        let near = track.motion.samples_in(scuff.start.max(time - SMEARED), scuff.end.min(time + SMEARED));
+        found.extend(near.filter_map(|sample| touching(track, scuff.side, sample)));
+    }
+    found
 }
 
 /// The hull alone: (x, z) on level ground; empty in flight.
@@ -235,8 +245,10 @@ fn thinned(hull: &[DVec2]) -> impl Iterator<Item = DVec2> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixture;
+    use super::super::{Scuff, fixture};
     use super::*;
+    use crate::model::Terrain;
+    use glam::DQuat;
 
     fn area(hull: &[DVec2]) -> f64 {
         (0..hull.len()).map(|i| 0.5 * hull[i].perp_dot(hull[(i + 1) % hull.len()])).sum()
@@ -258,6 +270,39 @@ mod tests {
         let both = support(&track, &fixture::standing(), 0).expect("in contact");
         assert!((area(&both.hull) - 0.25 * 0.29).abs() < 1e-9);
         assert!(support(&track, &[fixture::flat(Side::Left, 0.5, 1.0)], 0).is_none(), "flight before the contact");
+    }
+
+    #[test]
+    fn what_carries_in_a_moment_supports_where_it_will_stand() {
+        let body = fixture::body();
+        // It comes from 0.3 m behind and stands from 0.5 s on.
+        let poses = fixture::poses(&body, 121, |pose, sample| pose.hips.z -= 1.0 * (0.5 - sample / 120.0).max(0.0));
+        let track = Track::new(fixture::motion(&body, &poses)).expect("sound");
+        let lands = [fixture::flat(Side::Left, 0.5, 1.0)];
+        let stands = support(&track, &lands, 60).expect("it stands");
+        let before = support_near(&track, &lands, 55, 0.05).expect("it is about to");
+        assert_eq!(before.hull, stands.hull);
+        assert!(support(&track, &lands, 55).is_none() && support_near(&track, &lands, 50, 0.05).is_none());
+    }
+
+    #[test]
+    fn a_foot_that_rolls_on_supports_with_all_that_touches_meanwhile() {
+        let body = fixture::body();
+        // Onto its heels and back, within 0.1 s.
+        let poses = fixture::poses(&body, 121, |pose, sample| {
+            let pitch = DQuat::from_rotation_x(-0.3 * (1.0 - ((sample - 60.0) / 6.0).abs()).max(0.0));
+            pose.turns.iter_mut().for_each(|turn| *turn = pitch);
+            pose.hips = pitch * (pose.hips - dvec3(0.0, 0.0, -0.06)) + dvec3(0.0, 0.0, -0.06);
+        });
+        let scuffs = Side::BOTH.map(|side| Scuff { side, start: 0.3, end: 0.7 });
+        let track = Track::over(fixture::motion(&body, &poses), &Terrain::flat()).expect("sound").scuffing(&scuffs);
+        let length = |sample: usize| {
+            let hull = support(&track, &[], sample).expect("it touches").hull;
+            let along = hull.iter().map(|point| point.y);
+            along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
+        };
+        assert!(length(60) > 0.24, "{} m on the heels, and flat a moment before", length(60));
+        assert!(length(45) > 0.24);
     }
 
     #[test]

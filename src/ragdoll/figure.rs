@@ -7,7 +7,7 @@
 
 use super::sole;
 use super::toes;
-use crate::measure::joints::LegAngles;
+use crate::measure::joints::{JointAxes, LegAngles};
 use crate::model::{Body, BodyPose, Role, Side};
 use glam::{DMat3, DQuat, DVec3};
 
@@ -126,6 +126,8 @@ pub struct Figure {
     pub ankle_height: f64,
     /// rad, how far each leg's hip may still flex and abduct from the stand and its ankle flex and invert: least and most; left, right.
     pub leg_ranges: [[[f64; 2]; 4]; 2],
+    /// How each leg's hip and ankle are read, and how far they go, where the leg is whole; left, right.
+    pub leg_axes: [Option<[JointAxes; 2]>; 2],
 }
 
 /// What moves as one with its neighbour to save time.
@@ -246,6 +248,9 @@ impl Figure {
 /// A ball joint with all its angles.
 const BALL: Freedom = Freedom::Ball { stiff: None };
 
+/// rad inside the ranges that hips and ankles are measured by, as far as the body goes: a clip's joints are beside its run's by up to 2 degrees.
+pub(super) const INSIDE: f64 = 0.019;
+
 /// Gathers links.
 pub(super) struct Maker<'a> {
     pub(super) body: &'a Body,
@@ -324,11 +329,12 @@ impl<'a> Maker<'a> {
             leg_length,
             ankle_height: 0.5 * (self.body.feet[0].ankle_height + self.body.feet[1].ankle_height),
             leg_ranges: self.leg_ranges(),
+            leg_axes: Side::BOTH.map(|side| LegAngles::of(self.body).axes(self.stand, side)),
             links: self.links,
         }
     }
 
-    /// As the measures have them, from the stand.
+    /// As the measures have them less what a clip may be beside its run, from the stand.
     fn leg_ranges(&self) -> [[[f64; 2]; 4]; 2] {
         let angles = LegAngles::of(self.body);
         Side::BOTH.map(|side| {
@@ -336,7 +342,7 @@ impl<'a> Maker<'a> {
             let mut ranges = angles.ranges(side);
             for (range, at) in ranges.iter_mut().zip(at) {
                 // Who stands past an end may stand.
-                *range = [(range[0] - at).min(0.0), (range[1] - at).max(0.0)];
+                *range = [(range[0] + INSIDE - at).min(0.0), (range[1] - INSIDE - at).max(0.0)];
             }
             ranges
         })

@@ -158,12 +158,12 @@ impl Controller {
             let left = (0.95 * swing.time - passed).max(0.02);
             swing.reference = swing::onwards(&swing.reference, goal, left, dt);
         }
-        let x = (passed + dt) / (0.92 * swing.time);
+        let x = (passed + dt) / (swing::LANDS * swing.time);
         let ground = terrain.spot(stands).height;
         let base = swing.from.y + (ground - swing.from.y) * x.clamp(0.0, 1.0);
         let (y, v, a) = if x < 1.0 {
             let [l, d, a] = swing::lift(x);
-            let speed = 1.0 / (0.92 * swing.time);
+            let speed = 1.0 / (swing::LANDS * swing.time);
             (base + swing.lift * l, swing.lift * d * speed, swing.lift * a * speed * speed)
         } else {
             (swing.reference.at.y - 0.6 * dt, -0.6, 0.0)

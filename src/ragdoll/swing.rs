@@ -47,6 +47,9 @@ pub(super) fn onwards(reference: &Reference, target: DVec2, time: f64, dt: f64) 
     next
 }
 
+/// Share of a swing at which the foot is to be down.
+pub(super) const LANDS: f64 = 0.92;
+
 /// Lift at a share of the swing, its first and its second derivative by that share: 0 at both ends.
 pub(super) fn lift(x: f64) -> [f64; 3] {
     let x = x.clamp(0.0, 1.0);

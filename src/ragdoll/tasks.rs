@@ -14,7 +14,6 @@ use glam::{DQuat, DVec2, DVec3};
 
 /// Share of a leg's length by which it is shortened on ground that leans by a right angle.
 const STEEP: f64 = 0.6;
-
 /// m, the most by which a swinging foot is carried higher because its tip hangs: more, and it is late where it is needed (3 points of
 /// recoveries a bin at 0.12).
 const HANGS: f64 = 0.04;

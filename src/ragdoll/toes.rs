@@ -13,9 +13,9 @@ use super::world::{LinkState, World};
 use crate::model::{Body, Role, Side};
 use glam::{DMat3, DQuat, DVec3};
 
-/// rad, least and most extension of the toes from flat: people's go up to 60 to 70 degrees (AAOS: 70; a walk takes 40 to 60). Down by
-/// less than people's: a figure does not grasp.
-const RANGE: [f64; 2] = [-0.35, 1.1];
+/// rad, least and most extension of the toes from flat: people's go up to 60 to 70 degrees (AAOS: 70; a walk takes 40 to 60), and they are
+/// measured by 60 (`measure::joints`), a degree of which is for what a clip is beside its run. Down by less than people's: a figure does not grasp.
+const RANGE: [f64; 2] = [-0.35, 1.03];
 /// N m/rad and N m s/rad of a foot's toe joint, at 75 kg and legs of 0.83 m: what walks of people were simulated with (Falisse, Afschrift
 /// and De Groote 2022, PLoS ONE 17: e0256311; Sasaki, Neptune and Kautz 2009 take the same spring).
 const SPRING: [f64; 2] = [25.0, 2.0];
