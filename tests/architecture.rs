@@ -206,6 +206,33 @@ fn name_violations(files: &[Source]) -> Vec<String> {
     violations
 }
 
+/// Functions of the system's mathematics, which round otherwise elsewhere: `maths::real` has them all.
+const SYSTEMS: [&str; 22] = [
+    "sin", "cos", "tan", "sin_cos", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "exp2", "exp_m1",
+    "ln", "ln_1p", "log2", "log10", "powf", "hypot", "cbrt", "log",
+];
+
+/// Calls of them; the window only shows what others have found.
+fn system_violations(files: &[Source]) -> Vec<String> {
+    let mut violations = Vec::new();
+    for file in files.iter().filter(|file| file.path.starts_with("src/") && !file.path.starts_with("src/studio/")) {
+        let code: String = file.code.split_whitespace().collect();
+        for name in SYSTEMS {
+            let called = [format!(".{name}("), format!("f64::{name}"), format!("f32::{name}")];
+            let called = called.iter().any(|call| {
+                code.match_indices(call).any(|(at, _)| {
+                    !code[at + call.len()..].starts_with(|c: char| c == '_' || c.is_alphanumeric())
+                        || call.ends_with('(')
+                })
+            });
+            if called {
+                violations.push(format!("{}: `{name}` is the system's: take that of maths::real", file.path));
+            }
+        }
+    }
+    violations
+}
+
 /// Whether the code has that name, not as the end of a longer one.
 fn names(code: &str, name: &str) -> bool {
     let part_of_word = |character: char| character.is_alphanumeric() || character == '_';
@@ -295,6 +322,16 @@ fn an_import_from_a_lower_row_or_a_neighbour_is_caught() {
 #[test]
 fn names_stand_where_they_belong() {
     assert_eq!(name_violations(&sources("src")), [""; 0]);
+}
+
+#[test]
+fn the_systems_mathematics_is_left_alone_and_a_call_of_it_is_caught() {
+    assert_eq!(system_violations(&sources("src")), [""; 0]);
+    let found = |text: &str| system_violations(&[source("src/bake/it.rs", text)]).len();
+    assert_eq!(found("fn it(x: f64) -> f64 { x.sin() }"), 1);
+    assert_eq!(found("fn it(x: f64) -> f64 { (x + 1.0)\n    .atan2(2.0) }"), 1);
+    assert_eq!(found("fn it(x: Option<f64>) -> f64 { x.map_or(0.0, f64::sin) }"), 1);
+    assert_eq!(found("fn it(x: f64) -> f64 { real::sin(x).sqrt() } // not x.sin()"), 0);
 }
 
 #[test]

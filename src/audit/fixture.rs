@@ -4,6 +4,7 @@
 //! its feet are flat; legs reach them by two-bone inverse kinematics.
 
 use crate::maths::quat::shortest_arc;
+use crate::maths::real;
 use crate::maths::two_bone_ik::two_bone_ik;
 use crate::measure::{GRAVITY, fixture};
 use crate::model::{Body, Capture, Role, Side};
@@ -66,14 +67,14 @@ impl Gait {
         let half = 0.5 * self.step_secs;
         let (side, stance) = self.foothold(step);
         let length = self.speed * self.step_secs;
-        let ahead = 0.5 * length * (omega * (since - half)).sinh() / (omega * half).sinh();
-        let aside = -0.5 * side.sign() * self.width * (omega * (since - half)).cosh() / (omega * half).cosh();
+        let ahead = 0.5 * length * real::sinh(omega * (since - half)) / real::sinh(omega * half);
+        let aside = -0.5 * side.sign() * self.width * real::cosh(omega * (since - half)) / real::cosh(omega * half);
         let (u, share) = (since / self.step_secs, smooth(since / self.step_secs));
         let rise = self.rise * (u - 0.5) + self.slope.y * ahead;
         // The foot stands at the middle of heel and bending line; the centre of mass goes over that.
         let com = stance + dvec3(aside, carried(body) + rise, ahead);
         let (from, to) = (self.foothold(step - 1).1, self.foothold(step + 1).1);
-        let lift = (0.08 + 1.5 * self.rise.abs()) * (std::f64::consts::PI * u).sin().powi(2);
+        let lift = (0.08 + 1.5 * self.rise.abs()) * real::sin(std::f64::consts::PI * u).powi(2);
         let swing = from.lerp(to, share) + DVec3::Y * lift;
         let mut feet = [stance; 2];
         feet[side.other() as usize] = swing;
@@ -97,7 +98,7 @@ pub(crate) fn stand(seconds: f64) -> Capture {
     let body = fixture::body();
     let feet = Side::BOTH.map(|side| DVec3::X * 0.09 * side.sign());
     posed(&body, 60.0, (seconds * 60.0) as usize, |time| {
-        (dvec3(0.005 * (2.0 * time).sin(), carried(&body), 0.03 + 0.005 * (1.3 * time).cos()), feet)
+        (dvec3(0.005 * real::sin(2.0 * time), carried(&body), 0.03 + 0.005 * real::cos(1.3 * time)), feet)
     })
 }
 
@@ -116,7 +117,7 @@ pub(crate) fn jump(flight: f64, speed: f64) -> Capture {
 pub(crate) fn seat(seconds: f64) -> Capture {
     let body = fixture::body();
     let feet = Side::BOTH.map(|side| dvec3(0.1 * side.sign(), 0.0, 0.35));
-    posed(&body, 60.0, (seconds * 60.0) as usize, |time| (dvec3(0.02 * time.sin(), 0.62, 0.0), feet))
+    posed(&body, 60.0, (seconds * 60.0) as usize, |time| (dvec3(0.02 * real::sin(time), 0.62, 0.0), feet))
 }
 
 /// A body whose centre of mass and soles (below the ankles) are where a function of time says.

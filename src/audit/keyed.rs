@@ -115,13 +115,14 @@ mod tests {
     use super::*;
     use crate::audit::fixture::{Gait, shift_all, stand, walk};
     use crate::audit::{AuditOptions, audit};
+    use crate::maths::real;
     use crate::model::Capture;
     use glam::DVec3;
 
     /// Everything above the ankles goes to and fro by so many metres within so many frames from one on: no feet could do that.
     fn shaken(capture: &mut Capture, (start, end): (usize, usize), metres: f64) {
         for frame in start..=end {
-            let way = metres * (0.35 * (frame - start) as f64).sin();
+            let way = metres * real::sin(0.35 * (frame - start) as f64);
             let joints = capture.body.joints.len();
             let feet = capture.body.feet.each_ref().map(|foot| (foot.ankle, foot.toe));
             shift_all(capture, frame, DVec3::X * way);

@@ -11,6 +11,7 @@ use super::track::Track;
 use super::{Mark, foot_name};
 use crate::maths::pendulum;
 use crate::maths::quat::wrap_angle;
+use crate::maths::real;
 use crate::model::Side;
 use crate::model::findings::Rule;
 use glam::DVec2;
@@ -187,7 +188,7 @@ fn state(track: &Track, feet: &Footfalls, step: Step) -> Option<Taken> {
     if interval > WALKING * track.tempo() {
         return None;
     }
-    let steady = speed * interval / ((omega * interval).exp() - 1.0);
+    let steady = speed * interval / (real::exp(omega * interval) - 1.0);
     let inwards = turn_rate(track, from, hz) * speed * CURVE / track.tempo();
     let model = DVec2::new(-steady, -inwards * out.dot(left));
     let offset = landing.place - xi;
@@ -215,7 +216,7 @@ fn turn_rate(track: &Track, frame: usize, hz: f64) -> f64 {
     let heading = |frame: usize| {
         let velocity = track.velocity[frame];
         let slow = velocity.length() < WALKS * track.tempo();
-        (!slow).then(|| velocity.x.atan2(velocity.z))
+        (!slow).then(|| real::atan2(velocity.x, velocity.z))
     };
     match (heading(before), heading(after)) {
         (Some(first), Some(last)) if after > before => {

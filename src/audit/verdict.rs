@@ -100,6 +100,7 @@ mod tests {
     use crate::audit::contacts::footfalls;
     use crate::audit::domain::domain;
     use crate::audit::fixture::{Gait, seat, stand, walk};
+    use crate::maths::real;
     use glam::DQuat;
 
     #[test]
@@ -157,7 +158,7 @@ mod tests {
         assert!(found.steps.windows(2).all(|pair| pair[0].foot != pair[1].foot));
         for step in &found.steps {
             assert!(step.lift_off < step.touch_down, "{step:?}");
-            assert!((step.error_m - step.error_forward_m.hypot(step.error_sideways_m)).abs() < 1e-9);
+            assert!((step.error_m - real::hypot(step.error_forward_m, step.error_sideways_m)).abs() < 1e-9);
         }
     }
 }

@@ -9,6 +9,7 @@ use super::feet_based::Based;
 use super::foot_path::{FootPath, MOST_PITCH, turned};
 use super::swing::Extra;
 use crate::maths::curve::bump;
+use crate::maths::real;
 use crate::model::scenario::GroundKind;
 use crate::model::{Body, Side, Terrain, report::Part};
 use crate::stepper::{Physique, Plant, Step};
@@ -69,12 +70,12 @@ impl FootCurves {
             return target;
         }
         let turn = self.terrain.turn(time);
-        let ahead = turn * DVec3::new(target.yaw.sin(), 0.0, target.yaw.cos());
+        let ahead = turn * DVec3::new(real::sin(target.yaw), 0.0, real::cos(target.yaw));
         FootTarget {
             ankle: turn * target.ankle,
             foot: turn * target.foot,
             toe: turn * target.toe,
-            yaw: ahead.x.atan2(ahead.z),
+            yaw: real::atan2(ahead.x, ahead.z),
             ..target
         }
     }
@@ -134,14 +135,14 @@ impl FootCurves {
             let lean = |index: usize, plant: &Plant| {
                 let foot = terrain.turn(index as f64 * dt) * turned(plant, 0.0);
                 let up = foot.inverse() * (solved[index].pose.turns[leg.lower] * shank);
-                up.z.atan2(up.y)
+                real::atan2(up.z, up.y)
             };
             // m, how far the pressure is ahead of the middle of a foot's ball: a heel under the weight stays down.
             let ball = body.feet[side as usize].ball;
             let ahead = |index: usize, plant: &Plant| {
                 let ankle = terrain.turn(index as f64 * dt) * plant.ankle;
                 let from_ankle = cop[index.min(cop.len() - 1)] - DVec2::new(ankle.x, ankle.z);
-                from_ankle.dot(DVec2::new(plant.yaw.sin(), plant.yaw.cos())) - WEIGHT_AHEAD * ball
+                from_ankle.dot(DVec2::new(real::sin(plant.yaw), real::cos(plant.yaw))) - WEIGHT_AHEAD * ball
             };
             let heel_free = |index: usize, plant: &Plant| ahead(index, plant) > (HEEL_FREE - WEIGHT_AHEAD) * ball;
             for number in 0..path.swings.len() {

@@ -9,6 +9,7 @@ use super::contacts::FootContact;
 use super::swing::{Extra, Swing};
 use crate::maths::curve::{bump, smooth3, trapezoid};
 use crate::maths::quat::wrap_angle;
+use crate::maths::real;
 use crate::model::scenario::GroundKind;
 use crate::model::{Body, Side, Terrain, report::Part};
 use crate::stepper::{Physique, Plant, Step};
@@ -56,7 +57,7 @@ impl FootPath {
         scale: f64,
     ) -> FootPath {
         let shape = &body.feet[side as usize];
-        let rest_yaw = shape.forward.x.atan2(shape.forward.y);
+        let rest_yaw = real::atan2(shape.forward.x, shape.forward.y);
         let levelled = |offset: DVec3| DQuat::from_rotation_y(-rest_yaw) * (shape.level * offset);
         let pivot = match shape.toe {
             Some(toe) => levelled(body.joints[toe].rest - body.joints[shape.ankle].rest),

@@ -6,6 +6,7 @@
 use super::perform::Performance;
 use super::timeline::Timeline;
 use crate::maths::curve::smooth3;
+use crate::maths::real;
 use crate::measure::joints::LegAngles;
 use crate::model::scenario::GroundKind;
 use crate::model::{Body, FootShape, Side, Terrain};
@@ -42,7 +43,7 @@ pub fn sooner(steps: &[Step], physique: &Physique, cop: &[DVec2], dt: f64, scale
     for (number, step) in steps.iter().enumerate() {
         let others = steps[..number].iter().rev().find(|other| other.side != step.side && other.land <= step.lift);
         let (Some(other), false) = (others, step.kind == StepKind::Walk) else { continue };
-        let ahead = DVec2::new(other.to.yaw.sin(), other.to.yaw.cos());
+        let ahead = DVec2::new(real::sin(other.to.yaw), real::cos(other.to.yaw));
         let carries = |time: f64| {
             let Some(cop) = cop.get((time / dt).round() as usize) else { return true };
             let from = *cop - DVec2::new(other.to.ankle.x, other.to.ankle.z);
@@ -75,7 +76,7 @@ pub(super) fn roomier(start: &[Plant; 2], steps: &mut [Step], physique: &Physiqu
         let step = steps[number];
         let others = steps[..number].iter().rfind(|other| other.side != step.side && other.land <= step.land);
         let other = others.map_or(start[step.side.other() as usize], |other| other.to);
-        let ahead = DVec3::new(other.yaw.sin(), 0.0, other.yaw.cos());
+        let ahead = DVec3::new(real::sin(other.yaw), 0.0, real::cos(other.yaw));
         let apart = step.to.ankle - other.ankle;
         let beside = step.side.sign() * (apart.x * ahead.z - apart.z * ahead.x);
         let before = apart.dot(ahead);
@@ -180,7 +181,7 @@ fn plant_on(foot: &FootShape, terrain: &Terrain, plant: &Plant) -> Plant {
 
 /// m, points of a sole from the ankle's shadow, (x, z), as it would lie on level ground.
 fn sole<'a>(foot: &'a FootShape, plant: &Plant) -> impl Iterator<Item = DVec2> + 'a {
-    let ahead = DVec2::new(plant.yaw.sin(), plant.yaw.cos());
+    let ahead = DVec2::new(real::sin(plant.yaw), real::cos(plant.yaw));
     let left = DVec2::new(ahead.y, -ahead.x);
     (0..=8).flat_map(move |along| {
         let along = foot.heel + (foot.tip - foot.heel) * f64::from(along) / 8.0;
@@ -235,7 +236,8 @@ fn carried(
     let reach = (3.0 * SMOOTHING / dt).ceil() as isize;
     let last = count as isize - 1;
     let at = |index: isize| raw[index.clamp(0, last) as usize];
-    let weights: Vec<f64> = (-reach..=reach).map(|off| (-0.5 * (off as f64 * dt / SMOOTHING).powi(2)).exp()).collect();
+    let weights: Vec<f64> =
+        (-reach..=reach).map(|off| real::exp(-0.5 * (off as f64 * dt / SMOOTHING).powi(2))).collect();
     let total: f64 = weights.iter().sum();
     (0..=last)
         .map(|index| (-reach..=reach).zip(&weights).map(|(off, weight)| weight * at(index + off)).sum::<f64>() / total)

@@ -13,6 +13,7 @@ use super::key_times::{SAME_EDGE, edges, grid, snapped};
 use super::leverage::Leverage;
 use super::root_motion::{RootCurve, RootMotion};
 use super::track::{Frame, STEEP, Track, stored, stored_rotation, stored_translation};
+use crate::maths::real;
 use crate::model::{BodyPose, Channel, Clip, Interpolation, KeyValues, Side, Target};
 use crate::rig::animate::{Poser, RootCarrier, RootMove};
 use crate::rig::{Rig, Trs};
@@ -196,7 +197,7 @@ impl<'a> Frames<'a> {
     /// Metres that one unit of a node's local translation makes.
     fn metres(&self, node: usize) -> f64 {
         let linear = self.poser.parent_rest(node).matrix3;
-        linear.determinant().abs().cbrt().max(1e-12)
+        real::cbrt(linear.determinant().abs()).max(1e-12)
     }
 
     /// Puts a frame at `time` before frame `at`.

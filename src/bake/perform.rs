@@ -11,6 +11,7 @@ use super::throws::{self, Ball};
 use super::timeline::Timeline;
 use super::{BakeError, BakeOptions, ankles, apart, balance, care, feet, footing, knees, played, pushes, reach};
 use crate::maths::curve::smooth3;
+use crate::maths::real;
 use crate::measure::joints::LegAngles;
 use crate::measure::{Frame, KnownPush, PushPoint};
 use crate::model::scenario::{Character, Feet, Scenario};
@@ -304,7 +305,7 @@ fn settle(timeline: &mut Timeline, scale: f64, care: &care::Care) {
 /// How much the lowering holds on to the last pass's: little while it finds its place, more as it settles.
 fn damping(pass: usize) -> f64 {
     let settled = ((pass as f64 - ROLL_PASSES as f64) / 8.0).clamp(0.0, 1.0);
-    DAMPING[0] * (DAMPING[1] / DAMPING[0]).powf(settled)
+    DAMPING[0] * real::powf(DAMPING[1] / DAMPING[0], settled)
 }
 
 /// The last entry before a planted foot is out of its leg's reach; `None` where all are reached.

@@ -4,6 +4,7 @@
 //! rolling ground is a net of triangles, within 2 mm of it.
 
 use super::timeline::Timeline;
+use crate::maths::real;
 use crate::model::props::{Mesh, Prop, PropKey, Shape};
 use crate::model::scenario::GroundKind;
 use crate::model::{Side, Terrain, terrain};
@@ -80,7 +81,7 @@ pub fn ground_prop(terrain: &Terrain, patch: Patch, duration: f64) -> Prop {
             "ground"
         }
         GroundKind::Slope { angle } => {
-            mesh = slope(patch, angle.tan());
+            mesh = slope(patch, real::tan(angle));
             "slope"
         }
         GroundKind::Stairs { rise, tread, count } => {

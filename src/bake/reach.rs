@@ -9,6 +9,7 @@ use super::care::Care;
 use super::timeline::Timeline;
 use crate::maths::banded::BandedLeastSquares;
 use crate::maths::curve::smooth3;
+use crate::maths::real;
 use crate::model::Side;
 use crate::whole_body::solve::Solved;
 use glam::DVec3;
@@ -105,7 +106,7 @@ fn planted_knees(timeline: &Timeline, solved: &[Solved], care: &Care) -> Vec<Kne
             let down = (solved[index].hips[side as usize].y
                 - timeline.feet.at(side, index as f64 * timeline.dt).ankle.y)
                 / length;
-            0.9 * down * length / (leg.thigh_length * leg.shank_length * bend.sin().max(STEEPEST))
+            0.9 * down * length / (leg.thigh_length * leg.shank_length * real::sin(bend).max(STEEPEST))
         };
         let free: Vec<bool> = (0..solved.len())
             .map(|index| index as f64 * timeline.dt)
@@ -257,6 +258,7 @@ fn gentlest(
 #[cfg(test)]
 mod tests {
     use super::gentlest;
+    use crate::maths::real;
 
     #[test]
     fn the_lowering_meets_the_need_starts_after_the_push_and_stays_gentle() {
@@ -275,7 +277,7 @@ mod tests {
     #[test]
     fn what_a_surprise_asks_for_joins_smoothly_on_what_was() {
         let dt = 0.01;
-        let before: Vec<f64> = (0..300).map(|i| 0.02 + 0.015 * (f64::from(i) * 0.12).sin()).collect();
+        let before: Vec<f64> = (0..300).map(|i| 0.02 + 0.015 * real::sin(f64::from(i) * 0.12)).collect();
         let need: Vec<f64> = (0..500).map(|i| if (328..350).contains(&i) { 0.17 } else { -0.03 }).collect();
         let low = gentlest(&need, &[0.0; 500], 50, &before, dt, &[0.085; 500], (&[], &[], 0.0));
         assert!(low[..300].iter().zip(&before).all(|(have, was)| (have - was).abs() < 1e-5), "the past changes");

@@ -7,6 +7,7 @@
 
 use super::spline;
 use super::track::CORNER;
+use crate::maths::real;
 use crate::model::BodyPose;
 use crate::rig::Rig;
 use crate::rig::animate::{RootCarrier, RootMove, hermite, slerp};
@@ -72,7 +73,7 @@ pub fn root_bone(rig: &Rig) -> Option<usize> {
     }
     let near = |node: usize| {
         let place = globals[node].translation / rig.body.height.max(1e-6);
-        place.x.hypot(place.z) < 0.05 && place.y.abs() < 0.1
+        real::hypot(place.x, place.z) < 0.05 && place.y.abs() < 0.1
     };
     above.retain(|node| near(*node));
     let named = above.iter().rev().find(|node| rig.nodes[**node].name.as_deref().is_some_and(is_root_name));
@@ -152,7 +153,7 @@ impl RootCurve {
                 let now = between(&knots[from], &knots[to], times[at], lines);
                 let [x, z, yaw, y] = path[at];
                 let turned = now.rotation * DQuat::from_rotation_y(-yaw);
-                now.translation.distance(DVec3::new(x, y, z)) <= place && twist(turned).sin().abs() <= turn
+                now.translation.distance(DVec3::new(x, y, z)) <= place && real::sin(twist(turned)).abs() <= turn
             })
         };
         let mut kept: Vec<Knot> = knots.first().copied().into_iter().collect();
@@ -204,7 +205,7 @@ impl RootCurve {
         let (now, before, after) = (self.smooth_at(time), self.smooth_at(early), self.smooth_at(late));
         let [vx, vz, spin, vy] = [0, 1, 2, 3].map(|axis| (after[axis] - before[axis]) / (late - early).max(SLOPE));
         let [x, z, yaw, y] = now;
-        let (sine, cosine) = (yaw / 2.0).sin_cos();
+        let (sine, cosine) = real::sin_cos(yaw / 2.0);
         Knot {
             time,
             place: [DVec4::new(x, y, z, 0.0), DVec4::new(vx, vy, vz, 0.0)],
@@ -250,7 +251,7 @@ fn between(from: &Knot, to: &Knot, time: f64, lines: Option<DVec3>) -> RootMove 
 
 /// The turn about +Y in a rotation, rad.
 fn twist(turn: DQuat) -> f64 {
-    if turn.y == 0.0 && turn.w == 0.0 { 0.0 } else { 2.0 * turn.y.atan2(turn.w) }
+    if turn.y == 0.0 && turn.w == 0.0 { 0.0 } else { 2.0 * real::atan2(turn.y, turn.w) }
 }
 
 /// Catmull-Rom through the middle two.
@@ -264,7 +265,8 @@ fn cubic([before, from, to, after]: [f64; 4], share: f64) -> f64 {
 fn smooth(samples: &[[f64; 4]], deviation: f64) -> Vec<[f64; 4]> {
     let last = samples.len() as isize - 1;
     let reach = ((3.0 * deviation).ceil() as isize).min(last.max(0));
-    let weights: Vec<f64> = (-reach..=reach).map(|offset| (-0.5 * (offset as f64 / deviation).powi(2)).exp()).collect();
+    let weights: Vec<f64> =
+        (-reach..=reach).map(|offset| real::exp(-0.5 * (offset as f64 / deviation).powi(2))).collect();
     let total: f64 = weights.iter().sum();
     let extended = |at: isize, axis: usize| {
         let inside = |at: isize| samples[at.clamp(0, last) as usize][axis];
@@ -293,7 +295,7 @@ mod tests {
         let pose = |index: usize| {
             let time = index as f64 * dt;
             let going = (time - 1.0).clamp(0.0, 1.0);
-            let sway = 0.03 * (TAU * 3.0 * time).sin() * going * (2.0 - time).max(0.0);
+            let sway = 0.03 * real::sin(TAU * 3.0 * time) * going * (2.0 - time).max(0.0);
             let hips = DVec3::new(0.02 + sway, 0.9, 0.05 + going * going * (3.0 - 2.0 * going));
             BodyPose { hips, turns: vec![DQuat::from_rotation_y(3.5 * going)] }
         };

@@ -5,6 +5,7 @@
 use super::clearance::Raise;
 use crate::maths::curve::{bump, sample, smooth3, smooth5, trapezoid};
 use crate::maths::quat::wrap_angle;
+use crate::maths::real;
 use crate::stepper::{Physique, Plant, Step, StepKind};
 use glam::DVec3;
 
@@ -67,7 +68,7 @@ impl Swing {
         let travel = step.to.ankle - step.from.ankle;
         let yaw = 0.5 * (step.from.yaw + step.to.yaw);
         let leg = physique.leg_length;
-        let forward = (travel.x * yaw.sin() + travel.z * yaw.cos()) / leg;
+        let forward = (travel.x * real::sin(yaw) + travel.z * real::cos(yaw)) / leg;
         let distance = travel.length() / leg;
         let calm = step.kind == StepKind::Comfort;
         let duration = step.land - step.lift;
@@ -207,14 +208,14 @@ fn detour(step: &Step, other: &Plant, physique: &Physique) -> DVec3 {
     }
     let gap = -rel.dot(across); // where the path lies from the stance foot, along `across`
     // A foot that passes ahead of the other (or behind it) must clear its length, not its width alone.
-    let lengthwise = across.dot(DVec3::new(other.yaw.sin(), 0.0, other.yaw.cos())).abs();
+    let lengthwise = across.dot(DVec3::new(real::sin(other.yaw), 0.0, real::cos(other.yaw))).abs();
     let least = (0.15 * physique.leg_length).max(0.14 * physique.leg_length + physique.tip * lengthwise);
     // Keep to the side of the stance foot where the swing foot belongs.
-    let own = step.side.sign() * across.dot(DVec3::new(other.yaw.cos(), 0.0, -other.yaw.sin())).signum();
+    let own = step.side.sign() * across.dot(DVec3::new(real::cos(other.yaw), 0.0, -real::sin(other.yaw))).signum();
     // In a turn the straight way cuts across the stance foot though it begins and ends on its own side: go round.
     let on_own_side = |plant: &Plant| {
         let apart = plant.ankle - other.ankle;
-        step.side.sign() * (apart.x * plant.yaw.cos() - apart.z * plant.yaw.sin()) > 0.0
+        step.side.sign() * (apart.x * real::cos(plant.yaw) - apart.z * real::sin(plant.yaw)) > 0.0
     };
     let turns = wrap_angle(step.to.yaw - step.from.yaw).abs() > 0.15;
     let mut round = turns && on_own_side(&step.from) && on_own_side(&step.to);
@@ -224,7 +225,7 @@ fn detour(step: &Step, other: &Plant, physique: &Physique) -> DVec3 {
     };
     if step.kind == StepKind::Walk && on_own_side(&step.from) && !on_own_side(&step.to) {
         // Who is shoved across in mid-stride comes past the stance leg first, where there is room before its toes.
-        let toe = DVec3::new(other.yaw.sin(), 0.0, other.yaw.cos());
+        let toe = DVec3::new(real::sin(other.yaw), 0.0, real::cos(other.yaw));
         let [behind, before] = [from, to].map(|ankle| (ankle - other.ankle).dot(toe));
         let near = |share: f64| {
             let at = from + path * trapezoid(share) + bent(own) * bump(share) - other.ankle;

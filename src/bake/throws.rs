@@ -10,6 +10,7 @@ use super::carried::hide_beyond;
 use super::pushes::nearest_joint;
 use super::timeline::Timeline;
 use crate::maths::curve::smooth3;
+use crate::maths::real;
 use crate::maths::seed::Seed;
 use crate::measure::{GRAVITY, KnownPush, PushPoint};
 use crate::model::props::{Prop, PropKey, Shape};
@@ -121,7 +122,7 @@ pub fn tosses(scenario: &Scenario, seed: u64) -> Vec<Toss> {
             let radius = draw.between(throw.radius[0], throw.radius[1]);
             let (yaw, pitch) = (draw.between(-JITTER, JITTER), draw.between(-0.5 * JITTER, 0.5 * JITTER));
             let (angle, out) = (draw.between(0.0, 2.0 * PI), draw.unit().sqrt() * throw.spread);
-            let spread = DVec2::new(angle.cos(), angle.sin()) * out;
+            let spread = DVec2::new(real::cos(angle), real::sin(angle)) * out;
             tosses.push(Toss { arrives, throw: *throw, radius, yaw, pitch, spread });
         }
     }
@@ -157,9 +158,9 @@ impl Toss {
             Some(flat) if towards.y.abs() < 0.5 => {
                 // It has fallen for half of the time that it was in the air.
                 let time = (SEEN.0 / speed.max(0.1)).min(SEEN.1);
-                let drop = (0.5 * GRAVITY * time / speed.max(0.1)).min(MOST_DROP).asin();
-                let down = drop - towards.y.clamp(-1.0, 1.0).asin() + self.pitch;
-                (flat * down.cos() - DVec3::Y * down.sin()) * speed
+                let drop = real::asin((0.5 * GRAVITY * time / speed.max(0.1)).min(MOST_DROP));
+                let down = drop - real::asin(towards.y.clamp(-1.0, 1.0)) + self.pitch;
+                (flat * real::cos(down) - DVec3::Y * real::sin(down)) * speed
             }
             _ => towards * speed,
         };

@@ -79,6 +79,7 @@ fn sampled(axes: &[Axis], count: usize, seed: u64, stratified: bool) -> Vec<Vec<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::maths::real;
     use crate::model::sweep::AxisPath;
     use toml::Value;
 
@@ -121,7 +122,7 @@ mod tests {
             let mut parts: Vec<usize> = drawn
                 .iter()
                 .map(|point| point[path].value.as_float().expect("a number"))
-                .map(|value| if part == 0 { value as usize } else { value.log2() as usize })
+                .map(|value| if part == 0 { value as usize } else { real::log2(value) as usize })
                 .collect();
             parts.sort_unstable();
             assert_eq!(parts, (0..10).collect::<Vec<_>>(), "path {path}");

@@ -6,6 +6,7 @@
 use super::{Plan, Variation};
 use crate::bake::Baked;
 use crate::export::Exported;
+use crate::maths::real;
 use crate::measure::KnownPush;
 use crate::model::report::Outcome;
 use crate::model::{Clip, ClipReport};
@@ -117,7 +118,7 @@ pub fn measured(baked: &Baked, exported: &Exported) -> Measured {
     let report: &ClipReport = &baked.report;
     let pushes = &baked.performance.pushes;
     let impulse: DVec3 = pushes.iter().map(|push: &KnownPush| push.force * (push.end - push.start)).sum();
-    let flat = impulse.x.hypot(impulse.z);
+    let flat = real::hypot(impulse.x, impulse.z);
     let last = pushes.iter().map(|push| push.start).fold(0.0, f64::max);
     let findings = baked.findings.as_ref();
     let rest = findings.and_then(|findings| findings.balance.rest_from);
@@ -138,8 +139,8 @@ pub fn measured(baked: &Baked, exported: &Exported) -> Measured {
         drive: report.drive.clone(),
         duration: report.duration,
         recovery: rest.map(|rest| (rest - last).max(0.0)).filter(|_| report.outcome != Outcome::Fall),
-        travel: travel.x.hypot(travel.z),
-        direction: (flat > 1e-9).then(|| impulse.x.atan2(impulse.z).to_degrees()),
+        travel: real::hypot(travel.x, travel.z),
+        direction: (flat > 1e-9).then(|| real::atan2(impulse.x, impulse.z).to_degrees()),
         impulse: flat,
         assist_nm: report.assist.peak_nm,
         assist_n: report.assist.peak_n,

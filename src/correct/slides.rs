@@ -8,6 +8,7 @@ use super::Fix;
 use super::posing::{Goal, as_it_is, pose};
 use super::seen::{Seen, eased, side_of};
 use crate::audit::contacts::Contact;
+use crate::maths::real;
 use crate::measure::support::levelled_point;
 use crate::model::findings::{Findings, Flag, Rule};
 use crate::model::{Capture, Side};
@@ -162,7 +163,7 @@ fn yaws(capture: &Capture, contact: &Contact, parts: &[Bears]) -> Vec<f64> {
         let [heel, ball] =
             [foot.heel, foot.ball].map(|at| capture.rigid_point(frame, foot.ankle, levelled_point(foot, at, 0.0, 0.0)));
         let along = ball - heel;
-        (along.x.atan2(along.z), (along.y / along.length().max(1e-6)).abs() < 0.12)
+        (real::atan2(along.x, along.z), (along.y / along.length().max(1e-6)).abs() < 0.12)
     };
     let headings: Vec<(f64, bool)> = (contact.start..=contact.end).map(heading).collect();
     let flat: Vec<usize> =

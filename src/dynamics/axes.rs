@@ -1,6 +1,7 @@
 //! The ends of a ball joint's range where its angles are read about axes of its own, as those of hips and ankles are. Radians.
 
 use super::limits::End;
+use crate::maths::real;
 use glam::{DQuat, DVec3};
 
 /// Least cosine of the angle about z with which turns about x and y are told apart: at a right angle they are the same.
@@ -37,18 +38,18 @@ impl Axes {
         let found = match self.reading {
             Reading::Turns => {
                 let down = turn * DVec3::NEG_Y;
-                let x = -down.z.atan2(-down.y);
-                let level = down.y.hypot(down.z);
-                let z = down.x.atan2(level);
+                let x = -real::atan2(down.z, -down.y);
+                let level = real::hypot(down.y, down.z);
+                let z = real::atan2(down.x, level);
                 let about = DQuat::from_rotation_x(x);
                 let spin = (about * DQuat::from_rotation_z(z)).inverse() * turn;
-                let y = 2.0 * spin.y.atan2(spin.w);
+                let y = 2.0 * real::atan2(spin.y, spin.w);
                 let cosine = level.max(APART);
                 [(x, DVec3::new(1.0, down.x / cosine, 0.0)), (z, DVec3::Z), (wrapped(y), DVec3::Y / cosine)]
                     .map(|(angle, grows)| (angle, about * grows))
             }
             Reading::Swing => {
-                let y = wrapped(2.0 * turn.y.atan2(turn.w));
+                let y = wrapped(2.0 * real::atan2(turn.y, turn.w));
                 let twist = DQuat::from_rotation_y(y);
                 let swung = (twist.inverse() * turn).to_scaled_axis();
                 let up = DVec3::Y + turn * DVec3::Y;

@@ -5,6 +5,7 @@ use super::axes::Axes;
 use super::rows::{Asked, Kind};
 use super::state::Articulation;
 use super::tree::DEEPEST;
+use crate::maths::real;
 use glam::{DQuat, DVec3};
 
 /// rad before its end from which on a range is looked after.
@@ -51,7 +52,7 @@ impl Swing {
         let relative = if relative.w < 0.0 { -relative } else { relative };
         let bone = relative * self.along;
         let cosine = self.along.dot(bone).clamp(-1.0, 1.0);
-        let axis = self.along.cross(bone).normalize_or_zero() * cosine.acos();
+        let axis = self.along.cross(bone).normalize_or_zero() * real::acos(cosine);
         let mut ends = [None; 6];
         for (way, (about, [low, high])) in self.about.into_iter().zip(self.swing).enumerate() {
             let swung = axis.dot(about);
@@ -59,7 +60,7 @@ impl Swing {
             ends[2 * way + 1] = Some((high - swung, -about));
         }
         if cosine > -0.99 {
-            let twist = 2.0 * DVec3::new(relative.x, relative.y, relative.z).dot(self.along).atan2(relative.w);
+            let twist = 2.0 * real::atan2(DVec3::new(relative.x, relative.y, relative.z).dot(self.along), relative.w);
             let about = (self.along + bone) / (1.0 + cosine);
             ends[4] = Some((twist - self.twist[0], about));
             ends[5] = Some((self.twist[1] - twist, -about));

@@ -1,6 +1,7 @@
 //! The dynamics against closed forms.
 
 use super::*;
+use crate::maths::real;
 use glam::{DMat3, DQuat, DVec3};
 
 const G: f64 = 9.81;
@@ -141,7 +142,7 @@ fn a_spring_and_a_damper_come_to_rest_where_they_balance_the_weight() {
         body.step(&mut around, 0.01, 2, &mut |_, _, _, _| {});
     }
     let angle = body.place(1).1.to_scaled_axis().z;
-    assert!((stiff * angle + mass * G * long * angle.cos()).abs() < 1e-6, "at {angle} rad");
+    assert!((stiff * angle + mass * G * long * real::cos(angle)).abs() < 1e-6, "at {angle} rad");
     assert!((body.given(1) - stiff * angle.abs()).abs() < 1e-6, "{} N m", body.given(1));
 }
 
@@ -210,7 +211,7 @@ fn a_block_slides_down_a_slope_as_coulomb_says_or_sticks() {
             body.step(&mut around, 0.01, 2, &mut find);
         }
         let speed = -body.motion_at(0, body.place(0).0).0.dot(up);
-        let wanted = (2.0 * G * (angle.sin() - friction * angle.cos())).max(0.0);
+        let wanted = (2.0 * G * (real::sin(angle) - friction * real::cos(angle))).max(0.0);
         // Where it sticks, contacts that give a little (SOFT) let it creep.
         assert!(
             (speed - wanted).abs() < 0.01 * wanted + 2e-3,
@@ -256,7 +257,7 @@ fn from_nowhere(most: f64, dt: f64) -> [f64; 2] {
     let mut around = Around::default();
     let (mut off, mut gained, mut given) = ([0.0_f64; 2], [0.0_f64; 2], [0.0_f64; 2]);
     for tick in 0..(3.0 / dt).round() as usize {
-        let tilt = |time: f64| DQuat::from_rotation_z(most * (3.0 * time).sin());
+        let tilt = |time: f64| DQuat::from_rotation_z(most * real::sin(3.0 * time));
         let time = tick as f64 * dt;
         for link in [1, 2] {
             let turn = body.place(link - 1).1.inverse() * body.place(link).1;

@@ -156,6 +156,7 @@ fn parts(numbers: &[f32]) -> [DVec4; 3] {
 mod tests {
     use super::*;
     use crate::bake::spline::level;
+    use crate::maths::real;
     use crate::rig::animate::hermite;
 
     /// x over time: keys, and slopes of one's own.
@@ -168,10 +169,10 @@ mod tests {
 
     #[test]
     fn readers_that_draw_their_own_slopes_see_the_old_curve_outside_and_the_frames_inside() {
-        let waves = |at: f64| 0.3 * (3.0 * at).sin();
+        let waves = |at: f64| 0.3 * real::sin(3.0 * at);
         let knots: Vec<Knot> = (0..=12)
             .map(|key| {
-                let (time, bent) = (0.2 * f64::from(key), 0.9 * (0.6 * f64::from(key)).cos());
+                let (time, bent) = (0.2 * f64::from(key), 0.9 * real::cos(0.6 * f64::from(key)));
                 let slopes = [DVec4::X * bent; 2];
                 Knot { time, value: DVec4::X * waves(time), slopes, corner: false }
             })
@@ -210,7 +211,7 @@ mod tests {
                 before * if to == 72 { 1.0 } else { eased(to + 1 - frame) }
             };
             let wanted =
-                |frame: usize| told(&old, time(frame)) + 0.06 * share(frame) * (1.5 + (0.4 * frame as f64).sin());
+                |frame: usize| told(&old, time(frame)) + 0.06 * share(frame) * (1.5 + real::sin(0.4 * frame as f64));
             let frames: BTreeMap<usize, DVec4> = (from..=to).map(|frame| (frame, DVec4::X * wanted(frame))).collect();
             let new = amended(&old, &frames, &time, &sample, &slope, false).expect("there is room");
             for step in 0..=2400 {

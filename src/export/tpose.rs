@@ -6,6 +6,7 @@
 //! the clip has its own idea of straight. Source: the VRM 1.0 specification, "tpose".
 
 use crate::maths::quat::shortest_arc;
+use crate::maths::real;
 use crate::model::{Body, Role, Side};
 use crate::rig::Rig;
 use glam::{DQuat, DVec3};
@@ -97,7 +98,7 @@ impl Raised<'_> {
             let (Some(role), Some(across)) = (role, self.between(right, left)) else { continue };
             let Some(joint) = self.joint(role) else { continue };
             let across = self.turns[joint] * across;
-            self.carry(joint, DQuat::from_rotation_y(across.z.atan2(across.x)));
+            self.carry(joint, DQuat::from_rotation_y(real::atan2(across.z, across.x)));
         }
     }
 
@@ -122,8 +123,8 @@ impl Raised<'_> {
             && let Some(across) = self.between(*last, *first)
         {
             let across = self.turns[lower] * across;
-            if across.y.hypot(across.z) > 0.3 * across.length() {
-                self.carry(lower, DQuat::from_rotation_x(across.y.atan2(across.z)));
+            if real::hypot(across.y, across.z) > 0.3 * across.length() {
+                self.carry(lower, DQuat::from_rotation_x(real::atan2(across.y, across.z)));
             }
         }
         let middle: Option<DVec3> = knuckles.iter().map(|role| self.between(hand, *role)).sum::<Option<DVec3>>();
@@ -161,7 +162,7 @@ impl Raised<'_> {
             }
         }
         let shape = &self.body.feet[side as usize];
-        let ahead = DQuat::from_rotation_y(-shape.forward.x.atan2(shape.forward.y));
+        let ahead = DQuat::from_rotation_y(-real::atan2(shape.forward.x, shape.forward.y));
         let (level, toe, toe_level) = (shape.level, shape.toe, shape.toe_level);
         if let Some(joint) = self.joint(foot) {
             let turn = ahead * level * self.turns[joint].inverse();

@@ -62,13 +62,14 @@ impl BandedLeastSquares {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::maths::real;
 
     #[test]
     fn solves_a_smoothing_problem_to_its_normal_equations() {
         let n = 50;
         let mut system = BandedLeastSquares::new(n, 2);
         for i in 0..n {
-            system.equation(i, &[1.0], (i as f64 * 0.3).sin(), 1.0);
+            system.equation(i, &[1.0], real::sin(i as f64 * 0.3), 1.0);
         }
         for i in 0..n - 2 {
             system.equation(i, &[1.0, -2.0, 1.0], 0.0, 5.0);

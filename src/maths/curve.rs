@@ -1,5 +1,6 @@
 //! Curves in time that start and end at rest, soft limits, and interpolation of uniform series.
 
+use crate::maths::real;
 use std::ops::{Add, Mul, Sub};
 
 /// 0 to 1 with no velocity and no acceleration at either end (quintic); clamped outside 0..1.
@@ -46,7 +47,7 @@ pub fn bump(u: f64) -> f64 {
 
 /// `x`, bent so that it never passes ±limit.
 pub fn soft_limit(x: f64, limit: f64) -> f64 {
-    limit * (x / limit).tanh()
+    limit * real::tanh(x / limit)
 }
 
 /// A uniform series with spacing `dt`, sampled at `time` through a Catmull-Rom cubic; the ends hold.

@@ -4,6 +4,7 @@
 //! corner corrected for the two passes so that the whole is 3 dB down at the cutoff. Ends are padded by odd reflection
 //! about the line from the first to the last sample, so that constants and ramps come back exactly.
 
+use crate::maths::real;
 use std::ops::{Add, Mul, Sub};
 
 /// What can be filtered.
@@ -110,8 +111,8 @@ impl Section {
     /// One pass of two that are together 3 dB down at `cutoff_hz`.
     fn butterworth(cutoff_hz: f64, hz: f64) -> Section {
         // Twice |H|² = 1/(1+r⁴): both are 1/√2 where r⁴ = √2 - 1.
-        let corner = cutoff_hz / (std::f64::consts::SQRT_2 - 1.0).powf(0.25);
-        let k = (std::f64::consts::PI * (corner / hz).min(0.499)).tan();
+        let corner = cutoff_hz / real::powf(std::f64::consts::SQRT_2 - 1.0, 0.25);
+        let k = real::tan(std::f64::consts::PI * (corner / hz).min(0.499));
         let norm = 1.0 / (1.0 + std::f64::consts::SQRT_2 * k + k * k);
         Section {
             b0: k * k * norm,
@@ -144,15 +145,15 @@ mod tests {
     /// Gain and lag (samples) of the filter for a sine in the middle of a long series.
     fn response(frequency: f64) -> (f64, f64) {
         let hz = 120.0;
-        let wave: Vec<f64> = (0..1200).map(|i| (TAU * frequency * f64::from(i) / hz).sin()).collect();
+        let wave: Vec<f64> = (0..1200).map(|i| real::sin(TAU * frequency * f64::from(i) / hz)).collect();
         let out = zero_lag(&wave, 7.0, hz);
         let (mut in_phase, mut quadrature) = (0.0, 0.0);
         for (i, value) in out.iter().enumerate().take(840).skip(360) {
             let angle = TAU * frequency * i as f64 / hz;
-            in_phase += value * angle.sin() / 240.0;
-            quadrature += value * angle.cos() / 240.0;
+            in_phase += value * real::sin(angle) / 240.0;
+            quadrature += value * real::cos(angle) / 240.0;
         }
-        (in_phase.hypot(quadrature), -quadrature.atan2(in_phase) / (TAU * frequency) * hz)
+        (real::hypot(in_phase, quadrature), -real::atan2(quadrature, in_phase) / (TAU * frequency) * hz)
     }
 
     #[test]
@@ -182,7 +183,7 @@ mod tests {
 
     #[test]
     fn a_series_that_starts_in_mid_motion_keeps_its_ends() {
-        let wave: Vec<f64> = (0..240).map(|i| (TAU * 1.0 * f64::from(i) / 120.0 + 0.7).sin()).collect();
+        let wave: Vec<f64> = (0..240).map(|i| real::sin(TAU * 1.0 * f64::from(i) / 120.0 + 0.7)).collect();
         let out = zero_lag(&wave, 7.0, 120.0);
         assert!((out[0] - wave[0]).abs() < 1e-9 && (out[239] - wave[239]).abs() < 1e-9);
         let worst = wave.iter().zip(&out).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -203,11 +204,11 @@ mod tests {
 
     #[test]
     fn resampling_keeps_the_curve_and_the_length() {
-        let wave: Vec<f64> = (0..=30).map(|i| (TAU * f64::from(i) / 30.0).sin()).collect();
+        let wave: Vec<f64> = (0..=30).map(|i| real::sin(TAU * f64::from(i) / 30.0)).collect();
         let fine = resample(&wave, 30.0, 120.0);
         assert_eq!(fine.len(), 121);
         for (i, value) in fine.iter().enumerate() {
-            assert!((value - (TAU * i as f64 / 120.0).sin()).abs() < 2e-3, "{i}");
+            assert!((value - real::sin(TAU * i as f64 / 120.0)).abs() < 2e-3, "{i}");
         }
         assert!(resample::<f64>(&[], 30.0, 60.0).is_empty());
         assert_eq!(value_at(&wave, 30.0, -1.0), Some(0.0));

@@ -7,6 +7,7 @@ pub mod hull;
 pub mod mirror;
 pub mod pendulum;
 pub mod quat;
+pub mod real;
 pub mod seed;
 pub mod spring;
 pub mod two_bone_ik;

@@ -4,6 +4,7 @@
 //! with the slip in its first line mended; Hof (2005) and Koolen (2012) for the extrapolated centre of mass. Constant
 //! height, massless legs: what the spring leg adds is the caller's business.
 
+use crate::maths::real;
 use glam::DVec2;
 
 /// m/s².
@@ -21,7 +22,7 @@ pub fn extrapolated(position: DVec2, velocity: DVec2, omega: f64) -> DVec2 {
 
 /// m and m/s after `time` s over a fixed pivot, at constant height.
 pub fn predict(position: DVec2, velocity: DVec2, pivot: DVec2, omega: f64, time: f64) -> (DVec2, DVec2) {
-    let grown = (omega * time).exp();
+    let grown = real::exp(omega * time);
     let (cosh, sinh) = (0.5 * (grown + 1.0 / grown), 0.5 * (grown - 1.0 / grown));
     let lean = position - pivot;
     (pivot + lean * cosh + velocity * (sinh / omega), lean * (omega * sinh) + velocity * cosh)
@@ -43,7 +44,7 @@ pub fn step_distance(speed: f64, residual: f64, height: f64, rise: f64) -> f64 {
 
 /// m, the pivot that brings the extrapolated centre of mass from `xi` to `aim` in `time` s.
 pub fn pivot_for(xi: DVec2, aim: DVec2, omega: f64, time: f64) -> DVec2 {
-    let grown = (omega * time).exp();
+    let grown = real::exp(omega * time);
     (aim - xi * grown) / (1.0 - grown)
 }
 
@@ -73,7 +74,7 @@ mod tests {
     fn a_vault_over_the_step_leaves_the_residual_speed() {
         let (speed, residual, height, rise) = (1.4_f64, 0.6_f64, 0.9_f64, 0.1_f64);
         let d = step_distance(speed, residual, height, rise);
-        let apex = (height - rise).hypot(d);
+        let apex = real::hypot(height - rise, d);
         let left = speed * speed + 2.0 * GRAVITY * (height - rise - apex);
         assert!((left - residual * residual).abs() < 1e-12);
         assert_eq!(step_distance(0.5, 0.6, height, rise), 0.0);

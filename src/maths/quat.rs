@@ -1,5 +1,6 @@
 //! Rotations: shortest arcs, frames, yaw, rotation vectors. Radians, right-handed, Y up.
 
+use crate::maths::real;
 use glam::{DMat3, DQuat, DVec3};
 
 /// The least rotation that takes one direction to the other. For opposite directions, about an axis that stays near Z.
@@ -26,7 +27,7 @@ pub fn limb_frame(direction: DVec3, hinge: DVec3) -> DQuat {
 /// Heading of a rotated +Z, about +Y from +Z towards +X.
 pub fn yaw_of(turn: DQuat) -> f64 {
     let forward = turn * DVec3::Z;
-    forward.x.atan2(forward.z)
+    real::atan2(forward.x, forward.z)
 }
 
 /// Rotation vector (axis x angle), angle in 0..π.

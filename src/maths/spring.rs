@@ -1,5 +1,7 @@
 //! A damped spring stepped exactly: the same path whatever the time step (while its target holds).
 
+use crate::maths::real;
+
 /// Position and velocity of one coordinate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spring {
@@ -14,8 +16,8 @@ impl Spring {
     pub fn step(&mut self, target: f64, omega: f64, zeta: f64, dt: f64) {
         let zeta = zeta.clamp(0.0, 0.999);
         let damped = omega * (1.0 - zeta * zeta).sqrt();
-        let (sin, cos) = (damped * dt).sin_cos();
-        let decay = (-zeta * omega * dt).exp();
+        let (sin, cos) = real::sin_cos(damped * dt);
+        let decay = real::exp(-zeta * omega * dt);
         let offset = self.x - target;
         let b = (self.v + zeta * omega * offset) / damped;
         self.x = target + decay * (offset * cos + b * sin);

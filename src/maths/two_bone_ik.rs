@@ -2,6 +2,7 @@
 //!
 //! Reports where the target was out of reach instead of hiding it. Knows no joint limits: the caller bounds the reach.
 
+use crate::maths::real;
 use glam::DVec3;
 
 /// What the chain became.
@@ -43,7 +44,7 @@ pub fn two_bone_ik(root: DVec3, target: DVec3, upper: f64, lower: f64, pole: DVe
         middle,
         end,
         hinge: side.cross(axis).normalize(),
-        bend: thigh.dot(shank).clamp(-1.0, 1.0).acos(),
+        bend: real::acos(thigh.dot(shank).clamp(-1.0, 1.0)),
         reached: (wanted - distance).abs() < 1e-9,
     }
 }

@@ -234,6 +234,7 @@ pub fn nearest_points(a: [DVec3; 2], b: [DVec3; 2]) -> [DVec3; 2] {
 mod tests {
     use super::super::fixture;
     use super::*;
+    use crate::maths::real;
     use glam::{DQuat, dvec3};
 
     #[test]
@@ -262,7 +263,7 @@ mod tests {
         });
         let track = Track::new(fixture::motion(&body, &poses)).expect("sound");
         let found = feet(&track, &[fixture::flat(Side::Left, 0.0, 0.5)]);
-        let expected = 1000.0 * 2.0 * 0.12 * (0.1_f64).sin();
+        let expected = 1000.0 * 2.0 * 0.12 * real::sin(0.1);
         assert!((found.slip_max_mm - expected).abs() < 1e-6, "{found:?}");
     }
 
@@ -307,9 +308,9 @@ mod tests {
         let hip = body.joint(Role::LeftUpperLeg).expect("a leg");
         let leg: Vec<usize> = (hip..hip + 4).collect();
         // The left leg swings 0.15 m inwards at the ankle: 5 cm are left of the 20.
-        let angle = -(0.15_f64 / 0.82).asin();
+        let angle = -real::asin(0.15_f64 / 0.82);
         let poses = fixture::poses(&body, 61, |pose, sample| {
-            let turn = DQuat::from_rotation_z(angle * (std::f64::consts::PI * sample / 60.0).sin());
+            let turn = DQuat::from_rotation_z(angle * real::sin(std::f64::consts::PI * sample / 60.0));
             for joint in &leg {
                 pose.turns[*joint] = turn;
             }

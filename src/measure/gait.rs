@@ -7,6 +7,7 @@
 
 use super::{HeldContact, Track, dynamics, joints};
 use crate::maths::quat::yaw_of;
+use crate::maths::real;
 use crate::model::{Role, Side, report::Part};
 use glam::{DVec2, DVec3};
 
@@ -204,7 +205,7 @@ fn stride(
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |all, v| (all.0.min(v), all.1.max(v)));
         high - low
     };
-    let heading = along.x.atan2(along.y);
+    let heading = real::atan2(along.x, along.y);
     let pelvis = |sample: usize| track.motion.poses[sample].turns[0];
     let (leg, knee, foot) = match side {
         Side::Left => (Role::LeftUpperLeg, Role::LeftLowerLeg, Role::LeftFoot),
@@ -245,14 +246,14 @@ fn stride(
         com_travel: span(&mut samples.clone().map(|sample| com[sample].y)),
         pelvis_rotation: 0.5
             * span(&mut samples.clone().map(|s| crate::maths::quat::wrap_angle(yaw_of(pelvis(s)) - heading))),
-        pelvis_list: 0.5 * span(&mut samples.clone().map(|s| (pelvis(s) * DVec3::X).y.asin())),
+        pelvis_list: 0.5 * span(&mut samples.clone().map(|s| real::asin((pelvis(s) * DVec3::X).y))),
         hip_contact: angles[0][0],
         hip_push_off: least(&mut over(0, 0.3 * length, 0.8 * length)),
         knee_loading: most(&mut over(1, 0.0, 0.25 * length)),
         knee_swing: most(&mut over(1, stance, length)),
         ankle_stance: most(&mut over(2, 0.0, stance)),
         ankle_push_off: least(&mut over(2, 0.5 * stance, stance + 0.1 * length)),
-        strike_pitch: ahead.y.clamp(-1.0, 1.0).asin(),
+        strike_pitch: real::asin(ahead.y.clamp(-1.0, 1.0)),
         flat_after: if flat_from < lift { (flat_from - start) / length } else { 0.0 },
     })
 }
@@ -272,7 +273,7 @@ mod tests {
             .map(|sample| {
                 let mut pose = BodyPose::rest(&body);
                 pose.hips.z += 1.2 * f64::from(sample) / hz;
-                pose.hips.y += 0.02 * (f64::from(sample) / hz * 4.0 * std::f64::consts::PI).sin();
+                pose.hips.y += 0.02 * real::sin(f64::from(sample) / hz * 4.0 * std::f64::consts::PI);
                 pose
             })
             .collect();

@@ -94,6 +94,7 @@ impl<'a> Swung<'a> {
 mod tests {
     use super::super::{Frame, Motion, fixture, measure_on};
     use super::*;
+    use crate::maths::real;
     use crate::model::scenario::Ground;
     use glam::{DQuat, dvec3};
 
@@ -149,14 +150,14 @@ mod tests {
     #[test]
     fn a_stand_on_a_slope_needs_its_tangent_of_friction() {
         let body = fixture::body();
-        let poses = fixture::poses(&body, 240, |pose, sample| pose.hips.x += 0.03 * (sample / 40.0).sin());
+        let poses = fixture::poses(&body, 240, |pose, sample| pose.hips.x += 0.03 * real::sin(sample / 40.0));
         for degrees in [-20.0_f64, 10.0, 25.0] {
             let angle = degrees.to_radians();
             let terrain = ground(GroundKind::Slope { angle });
             let normal = terrain.spot(DVec2::ZERO).normal;
             let contacts = fixture::standing().map(|contact| HeldContact { normal, ..contact });
             let found = measure_on(fixture::motion(&body, &poses), &terrain, &contacts, &[]).expect("sound");
-            assert!((found.friction_p99 - angle.abs().tan()).abs() < 0.03, "{degrees}: {}", found.friction_p99);
+            assert!((found.friction_p99 - real::tan(angle.abs())).abs() < 0.03, "{degrees}: {}", found.friction_p99);
             assert!(found.zmp.inside > 0.99 && found.residual_force < 1e-6, "{degrees}: {:?}", found.zmp);
         }
     }
@@ -168,7 +169,7 @@ mod tests {
         let walked = |climbs: f64| {
             let poses = fixture::poses(&body, 361, |pose, sample| {
                 let way = 2.0 * sample / 360.0;
-                pose.hips += dvec3(0.0, climbs * way * 0.3_f64.tan(), way);
+                pose.hips += dvec3(0.0, climbs * way * real::tan(0.3), way);
                 pose.turns[0] = DQuat::IDENTITY;
             });
             measure_on(fixture::motion(&body, &poses), &terrain, &[], &[]).expect("sound").balance.fallen

@@ -11,6 +11,7 @@ use super::Track;
 use super::dynamics::shortest;
 pub use super::pops::Pop;
 use super::pops::pops;
+use crate::maths::real;
 use crate::model::{Body, BodyPose, Role, Side};
 use glam::{DQuat, DVec2, DVec3, dvec3};
 
@@ -138,7 +139,7 @@ impl LegAngles {
     pub fn axes(&self, stand: &BodyPose, side: Side) -> Option<[JointAxes; 2]> {
         let limb = self.neutral.limbs.iter().find(|limb| !limb.arm && limb.side == side)?;
         let (upper, shank, foot) = (limb.joints[0]?, limb.joints[1]?, limb.joints[2]?);
-        let ahead = DQuat::from_rotation_y(limb.forward.x.atan2(limb.forward.z));
+        let ahead = DQuat::from_rotation_y(real::atan2(limb.forward.x, limb.forward.z));
         let hip = [self.neutral.upright * stand.turns[0].inverse(), stand.turns[upper] * limb.rest[0]];
         let ankle = [(stand.turns[shank] * limb.rest[1] * ahead).inverse(), stand.turns[foot] * limb.level[0] * ahead];
         let sided = |[low, high]: [f64; 2]| if side == Side::Left { [low, high] } else { [-high, -low] };
@@ -215,7 +216,7 @@ impl Neutral {
             both[0].zip(both[1]).map(|(left, right)| (left + right) * 0.5)
         };
         let trunk = middle(Role::LeftUpperArm).zip(middle(Role::LeftUpperLeg)).map(|(top, bottom)| top - bottom);
-        let lean = trunk.map_or(0.0, |trunk| trunk.z.atan2(trunk.y));
+        let lean = trunk.map_or(0.0, |trunk| real::atan2(trunk.z, trunk.y));
         let upright = if lean.abs() > 6.0 * DEGREE { DQuat::from_rotation_x(-lean) } else { DQuat::IDENTITY };
         Neutral { thorax, upright, limbs, has_waist: thorax != 0, head: body.joint(Role::Head) }
     }
@@ -259,7 +260,7 @@ impl Neutral {
             let Some(lower) = limb.joints[1] else { continue };
             let lower_turn = pose.turns[lower];
             let (from, to) = (upper_turn * limb.along[0], lower_turn * limb.along[1]);
-            let bend = from.cross(to).dot(upper_turn * limb.hinge).atan2(from.dot(to));
+            let bend = real::atan2(from.cross(to).dot(upper_turn * limb.hinge), from.dot(to));
             let most = if limb.arm { 145.0 } else { 150.0 };
             add(body.joints[lower].role, "flexion", bend, 0.0, most);
             let Some(end) = limb.joints[2] else { continue };
@@ -307,7 +308,7 @@ impl Limb {
         // a limb that rests well bent shows its hinge itself.
         let assumed = if arm { rest[0] * -DVec3::X } else { DVec3::Y.cross(forward) };
         let shown = upper.cross(lower);
-        let bent = shown.length() > (15.0 * DEGREE).sin() && shown.dot(assumed) > 0.5 * shown.length();
+        let bent = shown.length() > real::sin(15.0 * DEGREE) && shown.dot(assumed) > 0.5 * shown.length();
         let hinge = if bent { shown.normalize() } else { assumed };
         Some(Limb { side, arm, joints, rest, hinge, along: [upper, lower], forward, level })
     }
@@ -327,16 +328,16 @@ fn swing_twist(turn: DQuat, axis: DVec3) -> (DVec3, f64) {
     let along = turn.xyz().dot(axis);
     let twist = DQuat::from_xyzw(axis.x * along, axis.y * along, axis.z * along, turn.w);
     let twist = if twist.length_squared() > 1e-18 { shortest(twist.normalize()) } else { DQuat::IDENTITY };
-    let angle = 2.0 * twist.xyz().dot(axis).atan2(twist.w);
+    let angle = 2.0 * real::atan2(twist.xyz().dot(axis), twist.w);
     (shortest(turn * twist.inverse()).to_scaled_axis(), angle)
 }
 
 /// Flexion, abduction, inward rotation of a thigh that hung straight: R = Rx(-flexion) Rz(abduction) Ry(rotation).
 fn hip_angles(turn: DQuat, out_sign: f64) -> [f64; 3] {
     let down = turn * -DVec3::Y;
-    let flexion = down.z.atan2(-down.y);
+    let flexion = real::atan2(down.z, -down.y);
     let abduction = DVec2::new(down.y, down.z).length();
-    let abduction = down.x.atan2(abduction);
+    let abduction = real::atan2(down.x, abduction);
     let bare = DQuat::from_rotation_x(-flexion) * DQuat::from_rotation_z(abduction);
     let spin = shortest(bare.inverse() * turn).to_scaled_axis().y;
     [flexion, out_sign * abduction, -out_sign * spin]

@@ -50,6 +50,7 @@ pub fn distance(one: &[DVec3; 3], other: &[DVec3; 3]) -> f64 {
 mod tests {
     use super::super::fixture;
     use super::*;
+    use crate::maths::real;
     use glam::DQuat;
 
     #[test]
@@ -69,7 +70,7 @@ mod tests {
             legs(&Track::new(fixture::motion(&body, &poses)).expect("sound"))
         };
         let near = turned(0.12, 0.0);
-        assert!((near.least - (0.20 - 0.82 * 0.12_f64.sin())).abs() < 1e-9 && near.time == 0.5, "{near:?}");
+        assert!((near.least - (0.20 - 0.82 * real::sin(0.12))).abs() < 1e-9 && near.time == 0.5, "{near:?}");
         // Crossed: the distance of two lines, 0.20 m apart at the hips.
         let along = DQuat::from_rotation_z(-0.45) * DQuat::from_rotation_x(-0.15) * -DVec3::Y;
         let across = turned(0.45, 0.15);

@@ -170,6 +170,7 @@ mod tests {
     use super::super::support::support;
     use super::super::{PushPoint, dynamics::dynamics, fixture};
     use super::*;
+    use crate::maths::real;
     use crate::model::{Body, BodyPose};
 
     fn judged(body: &Body, poses: &[BodyPose], contacts: &[HeldContact], pushes: &[KnownPush]) -> Balance {
@@ -219,7 +220,7 @@ mod tests {
                 let u = (sample / 120.0).clamp(0.0, 1.0);
                 let sunk = drop * (3.0 * u * u - 2.0 * u * u * u);
                 pose.hips.y -= sunk;
-                let bend = (1.0 - sunk / 0.82).acos();
+                let bend = real::acos(1.0 - sunk / 0.82);
                 for side in Side::BOTH {
                     let hip = body.feet[side as usize].ankle - 2;
                     pose.turns[hip] = glam::DQuat::from_rotation_x(-bend);

@@ -3,6 +3,7 @@
 use super::dynamics::dynamics;
 use super::support::support;
 use super::{GRAVITY, KnownPush, PushPoint, Track, fixture, measure, plausibility, zmp};
+use crate::maths::real;
 use crate::model::{Side, report::Plausibility};
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -31,7 +32,7 @@ fn pendulum(reach: f64) -> (crate::model::Body, Vec<crate::model::BodyPose>, Vec
     let omega_squared = GRAVITY / height;
     // c = A sin² gives p = c - c''/ω².
     let w = TAU * 0.4;
-    let along = |time: f64| (0.5 - 0.5 * (w * time).cos(), 0.5 * w * w * (w * time).cos());
+    let along = |time: f64| (0.5 - 0.5 * real::cos(w * time), 0.5 * w * w * real::cos(w * time));
     let scale = reach / (1.0 + w * w / (2.0 * omega_squared));
     let poses = fixture::poses(&body, 601, |pose, sample| pose.hips.x += scale * along(sample / 120.0).0);
     let pressure =
@@ -254,12 +255,12 @@ fn a_body_that_speeds_up_with_no_contact_lacks_all_of_the_force() {
     let body = fixture::body();
     let w = TAU * 0.5;
     let poses = fixture::poses(&body, 481, |pose, sample| {
-        pose.hips.z += 0.4 * (1.0 - (w * sample / 120.0).cos());
+        pose.hips.z += 0.4 * (1.0 - real::cos(w * sample / 120.0));
         pose.hips.y += 1.0;
     });
     let found = measure(fixture::motion(&body, &poses), &[], &[], 1.0).expect("sound");
     let a_rms = 0.4 * w * w * 0.5_f64.sqrt() / GRAVITY;
-    assert!((found.residual_force - 1.0_f64.hypot(a_rms)).abs() < 0.01, "{}", found.residual_force);
+    assert!((found.residual_force - real::hypot(1.0, a_rms)).abs() < 0.01, "{}", found.residual_force);
 }
 
 #[test]

@@ -5,6 +5,7 @@
 //! knee in a tenth of a second each, and their knees alone pop once a second where the frames two away are asked.
 
 use super::Track;
+use crate::maths::real;
 use crate::model::{BodyPose, Role};
 use glam::DQuat;
 
@@ -73,7 +74,7 @@ fn jump(steps: &[f64], at: usize, count: usize, least: f64) -> Option<f64> {
 
 /// rad, of a rotation; exact for small ones.
 fn angle_of(turn: DQuat) -> f64 {
-    2.0 * turn.xyz().length().atan2(turn.w.abs())
+    2.0 * real::atan2(turn.xyz().length(), turn.w.abs())
 }
 
 #[cfg(test)]
@@ -88,7 +89,7 @@ mod tests {
         let swing = |jerk: f64| {
             fixture::poses(&body, 121, |pose, sample| {
                 let time = sample / 120.0;
-                let mut bend = 1.2 - 1.2 * (4.0 * time).cos();
+                let mut bend = 1.2 - 1.2 * real::cos(4.0 * time);
                 if (0.5 - 1e-9..0.5333).contains(&time) {
                     bend += jerk * (time - 0.5) * 30.0;
                 } else if time >= 0.5333 {

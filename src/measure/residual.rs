@@ -10,6 +10,7 @@
 use super::dynamics::Wrench;
 use super::support::Support;
 use super::{GRAVITY, zmp::zmp};
+use crate::maths::real;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -48,7 +49,7 @@ pub fn residual(support: Option<&Support>, needed: Wrench, com: DVec3, friction:
         let across = normal.cross(towards);
         for edge in 0..EDGES {
             let angle = TAU * edge as f64 / EDGES as f64;
-            let force = *normal + (towards * angle.cos() + across * angle.sin()) * friction;
+            let force = *normal + (towards * real::cos(angle) + across * real::sin(angle)) * friction;
             edges.push(row(force, (*point - com).cross(force) / units.height));
             if friction <= 0.0 {
                 break;
@@ -254,7 +255,7 @@ mod tests {
             let mut edges = Vec::new();
             for (point, normal) in &stand.corners {
                 for edge in 0..EDGES {
-                    let (sin, cos) = (TAU * edge as f64 / EDGES as f64).sin_cos();
+                    let (sin, cos) = real::sin_cos(TAU * edge as f64 / EDGES as f64);
                     let force = *normal + dvec3(cos, 0.0, sin) * 0.8;
                     edges.push(row(force, (*point - com).cross(force) / units.height));
                 }
@@ -305,7 +306,8 @@ mod tests {
         // 10 cm past the left edge at x = 0.145: weight x 0.1 m, less what a sideways force may make up.
         let needed = pressing(com, dvec3(0.245, 0.0, 0.05), dvec3(0.0, 800.0, 0.0), 0.0);
         let left = residual(Some(&stand), needed, com, 1.0, units);
-        let score = (left.force.length() / units.weight).hypot(left.moment.length() / (units.weight * units.height));
+        let score =
+            real::hypot(left.force.length() / units.weight, left.moment.length() / (units.weight * units.height));
         let arm_alone = 80.0 / (units.weight * units.height);
         assert!(score > 0.5 * arm_alone && score <= arm_alone + 1e-9, "{score} against {arm_alone}");
     }

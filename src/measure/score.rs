@@ -7,6 +7,7 @@
 //! that, and does not weigh less because there is much else that is right. Weights and halves are judgement, but where a
 //! source is named.
 
+use crate::maths::real;
 use crate::model::report::Plausibility;
 
 /// m/s, what people's ankles reach.
@@ -31,9 +32,9 @@ pub fn score(report: &Plausibility, friction: f64, given: bool) -> f64 {
     for (weight, off, half) in forces(report, friction).into_iter().chain(posture(report)).chain(course) {
         // Not a number, or infinite: as bad as can be.
         let off = if off.is_finite() { off.max(0.0) } else { return 0.0 };
-        sum -= weight / WHOLE * (1.0 + off / half).ln();
+        sum -= weight / WHOLE * real::ln(1.0 + off / half);
     }
-    sum.exp()
+    real::exp(sum)
 }
 
 /// Balance, forces and feet; balance and forces count twice.

@@ -6,6 +6,7 @@
 
 use super::Track;
 use crate::maths::quat::{wrap_angle, yaw_of};
+use crate::maths::real;
 use crate::model::{Body, Physique, Role, Side};
 use glam::{DQuat, DVec2};
 
@@ -58,7 +59,7 @@ impl Stance {
         let apart = DQuat::from_rotation_y(-heading) * (ankles[0] - ankles[1]);
         let yaws = Side::BOTH.map(|side| {
             let foot = &body.feet[side as usize];
-            let points = DQuat::from_rotation_y(foot.forward.x.atan2(foot.forward.y));
+            let points = DQuat::from_rotation_y(real::atan2(foot.forward.x, foot.forward.y));
             yaw_of(pose.turns[foot.ankle] * foot.level.inverse() * points) - heading
         });
         Stance { apart: DVec2::new(apart.x, apart.z), yaws }
@@ -79,7 +80,7 @@ impl Stance {
     fn off(&self, other: &Stance, body: &Body) -> f64 {
         let tips = Side::BOTH.map(|side| {
             let turned = wrap_angle(self.yaws[side as usize] - other.yaws[side as usize]);
-            2.0 * body.feet[side as usize].tip.abs() * (0.5 * turned).sin().abs()
+            2.0 * body.feet[side as usize].tip.abs() * real::sin(0.5 * turned).abs()
         });
         self.apart.distance(other.apart).max(tips[0]).max(tips[1])
     }
@@ -114,7 +115,7 @@ mod tests {
         let still = ended(|_, _| {}).expect("it stands");
         assert!(still.off < 1e-9 && (still.apart.x - 0.20).abs() < 1e-9, "{still:?}");
         let by = |turn: DQuat| ended(|pose, body| leg(pose, body, turn)).expect("it stands");
-        let reach = 0.82 * 0.4_f64.sin();
+        let reach = 0.82 * real::sin(0.4);
         let crossed = by(DQuat::from_rotation_z(-0.4));
         assert!((crossed.off - reach).abs() < 0.03 && crossed.apart.x < 0.0, "{crossed:?}");
         let straddled = by(DQuat::from_rotation_z(0.4));
@@ -123,7 +124,7 @@ mod tests {
         assert!((ahead.off - reach).abs() < 0.03 && ahead.apart.y > 0.3, "{ahead:?}");
         // The foot alone: 0.19 m from ankle to tip.
         let turned = ended(|pose, body| pose.turns[body.feet[0].ankle] = DQuat::from_rotation_y(-0.8)).expect("stands");
-        assert!((turned.off - 2.0 * 0.19 * 0.4_f64.sin()).abs() < 0.005, "{turned:?}");
+        assert!((turned.off - 2.0 * 0.19 * real::sin(0.4)).abs() < 0.005, "{turned:?}");
     }
 
     #[test]

@@ -7,6 +7,7 @@
 
 use super::MocapError;
 use super::rate::MOST_FRAMES;
+use crate::maths::real;
 use crate::rig::Trs;
 use glam::{DQuat, DVec3};
 use std::borrow::Cow;
@@ -120,8 +121,8 @@ impl Bvh {
                 Axis::Position(axis) => translation[*axis] = *value,
                 Axis::Rotation(axis) => {
                     let half = 0.5 * value.to_radians();
-                    let mut turn = [0.0, 0.0, 0.0, half.cos()];
-                    turn[*axis] = half.sin();
+                    let mut turn = [0.0, 0.0, 0.0, real::cos(half)];
+                    turn[*axis] = real::sin(half);
                     rotation *= DQuat::from_array(turn);
                 }
             }

@@ -6,6 +6,7 @@
 //! fewer than three rotation channels gets the turn nearest to what is wanted.
 
 use super::bvh::{Axis, Bvh};
+use crate::maths::real;
 use crate::rig::Trs;
 use glam::{DMat3, DQuat, DVec3};
 use std::collections::BTreeMap;
@@ -105,17 +106,17 @@ fn three(a: usize, b: usize, c: usize, turn: DQuat, expected: &[f64]) -> Vec<f64
     let at = |row: usize, column: usize| matrix.col(column)[row];
     let even = (a + 1) % 3 == b; // X Y Z and its rotations
     let sign = if even { 1.0 } else { -1.0 };
-    let beta = (sign * at(a, c)).clamp(-1.0, 1.0).asin();
+    let beta = real::asin((sign * at(a, c)).clamp(-1.0, 1.0));
     let apart = |one: f64, other: f64| ((one - other + 180.0).rem_euclid(360.0) - 180.0).abs();
     if (1.0 - at(a, c) * at(a, c)).max(0.0).sqrt() < LOCK {
         // Locked: the first keeps its angle, the third takes the rest.
         let alpha = expected[0].to_radians();
         let rest = (about(a, alpha) * about(b, beta)).inverse() * turn;
-        let gamma = 2.0 * DVec3::new(rest.x, rest.y, rest.z)[c].atan2(rest.w);
+        let gamma = 2.0 * real::atan2(DVec3::new(rest.x, rest.y, rest.z)[c], rest.w);
         return vec![expected[0], beta.to_degrees(), gamma.to_degrees()];
     }
-    let alpha = (-sign * at(b, c)).atan2(at(c, c));
-    let gamma = (-sign * at(a, b)).atan2(at(a, a));
+    let alpha = real::atan2(-sign * at(b, c), at(c, c));
+    let gamma = real::atan2(-sign * at(a, b), at(a, a));
     let one = [alpha, beta, gamma].map(f64::to_degrees);
     let other = [one[0] + 180.0, 180.0 - one[1], one[2] + 180.0];
     let far = |angles: &[f64; 3]| angles.iter().zip(expected).map(|(x, y)| apart(*x, *y).powi(2)).sum::<f64>();
@@ -246,7 +247,7 @@ mod tests {
                 if round % 10 == 0 {
                     wanted[1] = 90.0; // locked
                 }
-                if axes == [2, 0, 2] && wanted[1].to_radians().sin().abs() < 0.1 {
+                if axes == [2, 0, 2] && real::sin(wanted[1].to_radians()).abs() < 0.1 {
                     continue; // locked there
                 }
                 let turn = turn_of(&axes, &wanted);

@@ -144,6 +144,7 @@ fn on_body(capture: &Capture, body: &Body, poses: &[BodyPose], notes: Vec<String
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::maths::real;
     use crate::measure::fixture;
     use crate::model::{BodyJoint, Role, Side};
     use glam::DQuat;
@@ -251,7 +252,7 @@ mod tests {
         let body = fixture::body();
         let clip = capture(&body, 60, |frame, pose| {
             // It sways by 2 cm on feet that go with it, then walks off in the air.
-            pose.hips.x += 0.004 * (frame as f64 * 0.2).sin();
+            pose.hips.x += 0.004 * real::sin(frame as f64 * 0.2);
             pose.hips.y += if frame > 40 { 0.02 * (frame - 40) as f64 } else { 0.0 };
         });
         let out = retarget(&clip, &other_body());

@@ -5,6 +5,7 @@
 //! across the seam is the same on both sides of it. Turns of the heading between the ends are no cycle here.
 
 use super::retarget_planted::{Planted, Sole, Stance, merged};
+use crate::maths::real;
 use crate::model::report::Part;
 use crate::model::{Body, Capture, Side};
 use glam::{DQuat, DVec3};
@@ -78,7 +79,7 @@ pub(super) fn cycle(capture: &Capture) -> Option<DVec3> {
     let last = capture.frames().checked_sub(1).filter(|last| *last >= 8)?;
     let turned = capture.turns_at(0).iter().zip(capture.turns_at(last)).map(|(a, b): (&DQuat, &DQuat)| {
         let turn = a.inverse() * *b;
-        2.0 * turn.xyz().length().atan2(turn.w.abs())
+        2.0 * real::atan2(turn.xyz().length(), turn.w.abs())
     });
     let travel = capture.at(last)[0] - capture.at(0)[0];
     let same = turned.fold(0.0, f64::max) < SAME.0 && travel.y.abs() < SAME.1 * capture.body.leg_length / 0.83;

@@ -7,6 +7,7 @@
 use super::retarget_planted::{Planted, SWIVELS, Sole, SourceFeet, Stance};
 use super::retarget_turns::rest_frames;
 use crate::maths::quat::{rotation_vector, yaw_of};
+use crate::maths::real;
 use crate::model::report::Part;
 use crate::model::{Body, Capture, Side};
 use glam::{DQuat, DVec3};
@@ -148,9 +149,9 @@ fn gentler(source: &Body, body: &Body, side: Side, raw: &[[DQuat; 2]], clearance
         .zip(clearance)
         .map(|([foot, toes], over)| {
             let own = *foot * frame;
-            let pitch = (own * DVec3::Z).y.clamp(-1.0, 1.0).asin();
-            let gentle = (pitch.sin() / longer).asin();
-            let share = (-(over.max(0.0) / near).powi(2)).exp();
+            let pitch = real::asin((own * DVec3::Z).y.clamp(-1.0, 1.0));
+            let gentle = real::asin(real::sin(pitch) / longer);
+            let share = real::exp(-(over.max(0.0) / near).powi(2));
             let back = DQuat::from_axis_angle(own * DVec3::X, (pitch - gentle) * share);
             [(back * *foot).normalize(), (back * *toes).normalize()]
         })

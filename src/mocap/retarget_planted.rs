@@ -6,6 +6,7 @@
 
 use super::retarget_turns::rest_frames;
 use crate::maths::quat::{wrap_angle, yaw_of};
+use crate::maths::real;
 use crate::model::report::Part;
 use crate::model::{Body, Capture, Side};
 use glam::{DQuat, DVec3};
@@ -287,7 +288,7 @@ fn stance(capture: &Capture, found: &SourceFeet, planted: Planted, rest: &[DQuat
     let mut parts: Vec<Part> = Vec::new();
     for frame in range.clone() {
         let ahead = capture.turns_at(frame)[ankle] * rest[ankle] * DVec3::Z;
-        let pitch = ahead.y.clamp(-1.0, 1.0).asin();
+        let pitch = real::asin(ahead.y.clamp(-1.0, 1.0));
         let flat = if parts.last() == Some(&Part::Flat) { FLAT.1 } else { FLAT.0 };
         parts.push(match pitch {
             pitch if pitch > flat => Part::Heel,
@@ -327,5 +328,5 @@ fn slide(capture: &Capture, stance: &Stance) -> f64 {
         (low, high) = (low.min(at), high.max(at));
     }
     let slid = high - low;
-    slid.x.hypot(slid.z)
+    real::hypot(slid.x, slid.z)
 }

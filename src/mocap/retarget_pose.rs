@@ -9,6 +9,7 @@ use super::retarget_planted::SourceFeet;
 use super::retarget_turns::{TurnMap, rest_frames};
 use crate::maths::filter::zero_lag;
 use crate::maths::quat::shortest_arc;
+use crate::maths::real;
 use crate::maths::two_bone_ik::two_bone_ik;
 use crate::model::{Body, BodyPose, Capture, Role, Side};
 use glam::{DQuat, DVec3};
@@ -278,7 +279,7 @@ fn softened(goal: DVec3, own: f64, reach: f64, bears: f64) -> DVec3 {
     if wanted <= own || room < 1e-9 || bears >= 1.0 {
         return goal;
     }
-    let soft = own + room * (1.0 - (-(wanted - own) / room).exp());
+    let soft = own + room * (1.0 - real::exp(-(wanted - own) / room));
     goal * ((soft + (wanted.min(reach) - soft) * bears) / wanted)
 }
 

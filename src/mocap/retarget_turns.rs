@@ -6,6 +6,7 @@
 //! well over. Spines of different counts share the way from pelvis to shoulders by length. Does not look at places.
 
 use crate::maths::quat::{limb_frame, shortest_arc};
+use crate::maths::real;
 use crate::model::{Body, Role, Side};
 use glam::{DQuat, DVec3};
 
@@ -165,7 +166,7 @@ fn lean(body: &Body) -> DQuat {
         return DQuat::IDENTITY;
     };
     let trunk = top - bottom;
-    let lean = trunk.z.atan2(trunk.y);
+    let lean = real::atan2(trunk.z, trunk.y);
     DQuat::from_rotation_x(lean * eased(lean.abs(), LEANS))
 }
 
@@ -178,7 +179,7 @@ fn eased(value: f64, (from, to): (f64, f64)) -> f64 {
 /// The hinge of a limb: as its bend at rest shows, else as assumed.
 fn hinge(upper: DVec3, lower: DVec3, assumed: DVec3) -> DVec3 {
     let shown = upper.normalize_or_zero().cross(lower.normalize_or_zero());
-    let bend = shown.length().atan2(upper.normalize_or_zero().dot(lower.normalize_or_zero()));
+    let bend = real::atan2(shown.length(), upper.normalize_or_zero().dot(lower.normalize_or_zero()));
     let sure = if shown.dot(assumed) > 0.5 * shown.length() { eased(bend, BENT) } else { 0.0 };
     assumed.lerp(shown.normalize_or(assumed), sure)
 }
@@ -255,7 +256,7 @@ fn leg_frames(body: &Body, side: Side) -> [DQuat; 4] {
     let (thigh, shank) = (knee - hip, ankle - knee);
     let across = DVec3::new(foot.forward.y, 0.0, -foot.forward.x);
     let hinge = hinge(thigh, shank, across);
-    let heading = DQuat::from_rotation_y(foot.forward.x.atan2(foot.forward.y));
+    let heading = DQuat::from_rotation_y(real::atan2(foot.forward.x, foot.forward.y));
     [
         limb_frame(thigh, hinge),
         limb_frame(shank, hinge),

@@ -3,6 +3,7 @@
 //! A grown leg (hip to knee to ankle) is 0.72 to 1.0 m, a person's 0.55 to 1.15 m. A file that says or is expected to be in metres
 //! may hold a child or a figure with a large head; a unit that is guessed must make a person.
 
+use crate::maths::real;
 use crate::model::Body;
 use crate::rig::Rig;
 
@@ -43,7 +44,7 @@ pub fn of(leg: f64, height: f64, said: f64) -> Unit {
         return Unit { metres: said, note: None };
     }
     let person = |unit: f64| PERSON.0.contains(&(height * unit)) && PERSON.1.contains(&(leg * unit));
-    let far = |(unit, less): &(f64, f64)| (leg * unit / LEG).ln().abs() + less;
+    let far = |(unit, less): &(f64, f64)| real::ln(leg * unit / LEG).abs() + less;
     let fitting = UNITS.iter().filter(|(unit, _)| person(*unit));
     match fitting.min_by(|a, b| far(a).total_cmp(&far(b))) {
         // Centimetres where nothing was said are nothing to tell.

@@ -6,6 +6,7 @@ use super::role::Role;
 use super::scenario::{Direction, Feet, GroundKind, Push, Scenario, Stand, Throw, Turn, Walk};
 use crate::maths::mirror;
 use crate::maths::quat::wrap_angle;
+use crate::maths::real;
 use glam::DVec3;
 
 /// Share of the height by which a rig that is its own mirror image may be off it: what its file and its makers round (0.2 mm for 1.7 m).
@@ -151,8 +152,8 @@ impl Scenario {
             x if x.abs() > ASIDE => x,
             _ => side_of(at).map_or(0.0, Side::sign),
         };
-        let heading = |walk: &Walk| if walk.speed == 0.0 { 0.0 } else { walk.heading.sin() };
-        let facing = |walk: &Walk| walk.facing.map_or(0.0, f64::sin);
+        let heading = |walk: &Walk| if walk.speed == 0.0 { 0.0 } else { real::sin(walk.heading) };
+        let facing = |walk: &Walk| walk.facing.map_or(0.0, real::sin);
         let on = |stand: &Stand| match stand.on {
             Feet::Both => 0.0,
             Feet::Left => 1.0,
@@ -161,7 +162,7 @@ impl Scenario {
         let first = (self.push.iter().chain(&self.pull).map(|push| (push.start, lateral(push.toward, push.at))))
             .chain(self.throw.iter().map(|throw| (throw.start, lateral(throw.from, throw.at))))
             .chain(self.walk.iter().flat_map(|walk| [(walk.start, heading(walk)), (walk.start, facing(walk))]))
-            .chain(self.turn.iter().map(|turn| (turn.start, turn.facing.sin())))
+            .chain(self.turn.iter().map(|turn| (turn.start, real::sin(turn.facing))))
             .chain(self.stand.iter().map(|stand| (stand.start, on(stand))))
             .chain(self.rolls())
             .filter(|(_, side)| side.abs() > ASIDE)

@@ -2,6 +2,7 @@
 //!
 //! What is shown, not what is simulated: pictures draw props and the exporter makes nodes of them.
 
+use crate::maths::real;
 use glam::{DQuat, DVec3};
 use std::f64::consts::{PI, TAU};
 
@@ -137,9 +138,9 @@ fn ball(radius: f64) -> Mesh {
     const SECTORS: u32 = 18;
     let mut mesh = Mesh::default();
     for ring in 0..=RINGS {
-        let (sine, cosine) = (PI * f64::from(ring) / f64::from(RINGS)).sin_cos();
+        let (sine, cosine) = real::sin_cos(PI * f64::from(ring) / f64::from(RINGS));
         for sector in 0..=SECTORS {
-            let (aside, ahead) = (TAU * f64::from(sector) / f64::from(SECTORS)).sin_cos();
+            let (aside, ahead) = real::sin_cos(TAU * f64::from(sector) / f64::from(SECTORS));
             let normal = DVec3::new(sine * aside, cosine, sine * ahead);
             mesh.positions.push(normal * radius);
             mesh.normals.push(normal);

@@ -6,6 +6,7 @@
 //! Lanes keep the order of the file; entries of a lane need not stand in the order of their times.
 
 use super::role::Role;
+use crate::maths::real;
 use glam::DVec3;
 
 /// A whole scenario.
@@ -278,14 +279,14 @@ impl Direction {
     /// The unit vector in scenario space for a character that faces `facing_yaw` (rad about +Y, 0 along +Z, positive
     /// towards +X). Zero for a zero vector, which [`Scenario::validate`] refuses.
     pub fn unit(self, facing_yaw: f64) -> DVec3 {
-        let forward = DVec3::new(facing_yaw.sin(), 0.0, facing_yaw.cos());
+        let forward = DVec3::new(real::sin(facing_yaw), 0.0, real::cos(facing_yaw));
         let left = DVec3::new(forward.z, 0.0, -forward.x);
         match self {
             Direction::Front => forward,
             Direction::Back => -forward,
             Direction::Left => left,
             Direction::Right => -left,
-            Direction::Heading(angle) => forward * angle.cos() + left * angle.sin(),
+            Direction::Heading(angle) => forward * real::cos(angle) + left * real::sin(angle),
             Direction::Vector(vector) => {
                 // Scaled first: the square of a very long vector would overflow, that of a very short one vanish.
                 let largest = vector.abs().max_element();

@@ -4,6 +4,7 @@
 
 use super::sweep::{AxisValues, Choice};
 use super::sweep_axes::owned;
+use crate::maths::real;
 use toml::Value;
 use toml::de::DeTable;
 
@@ -68,7 +69,7 @@ pub(super) fn range(table: &DeTable<'_>) -> Result<AxisValues, Wrong> {
 
 /// The value at that share of the way.
 pub fn between(from: f64, to: f64, log: bool, share: f64) -> f64 {
-    if log { from * (to / from).powf(share) } else { from + (to - from) * share }
+    if log { from * real::powf(to / from, share) } else { from + (to - from) * share }
 }
 
 /// A number as a person would write it.

@@ -4,6 +4,7 @@
 //! as [`Terrain::turn`] says. Analytic and without memory, so that stepper, clip, measure and picture see the same ground.
 
 use super::scenario::{Ground, GroundKind};
+use crate::maths::real;
 use crate::maths::seed::Seed;
 use glam::{DQuat, DVec2, DVec3};
 
@@ -54,7 +55,7 @@ impl Terrain {
                 let angle = (index as f64 + draw.between(-0.4, 0.4)) * std::f64::consts::PI / WAVES as f64;
                 let length = wavelength * draw.between(0.8, 1.6);
                 *wave = Wave {
-                    along: DVec2::new(angle.sin(), angle.cos()) * (std::f64::consts::TAU / length),
+                    along: DVec2::new(real::sin(angle), real::cos(angle)) * (std::f64::consts::TAU / length),
                     phase: draw.between(0.0, std::f64::consts::TAU),
                     height: 0.5 * height / WAVES as f64, // all crests together reach what was asked
                 };
@@ -93,9 +94,11 @@ impl Terrain {
                 Spot { height, normal, holds: true }
             }
             GroundKind::Flat | GroundKind::Platform { .. } => level(0.0),
-            GroundKind::Slope { angle } => {
-                Spot { height: at.y * angle.tan(), normal: DVec3::new(0.0, angle.cos(), -angle.sin()), holds: true }
-            }
+            GroundKind::Slope { angle } => Spot {
+                height: at.y * real::tan(angle),
+                normal: DVec3::new(0.0, real::cos(angle), -real::sin(angle)),
+                holds: true,
+            },
             GroundKind::Stairs { rise, tread, count } => {
                 let climbed = if at.y < FIRST { 0.0 } else { ((at.y - FIRST) / tread).floor() + 1.0 };
                 level(rise * climbed.min(f64::from(count)))
@@ -107,9 +110,9 @@ impl Terrain {
             GroundKind::Uneven { .. } => {
                 let (mut height, mut lean) = (0.0, DVec2::ZERO);
                 for wave in &self.waves {
-                    let (sin, cos) = (wave.along.dot(at) + wave.phase).sin_cos();
+                    let (sin, cos) = real::sin_cos(wave.along.dot(at) + wave.phase);
                     // level under the start, so that everybody stands well
-                    height += wave.height * (sin - wave.phase.sin());
+                    height += wave.height * (sin - real::sin(wave.phase));
                     lean += wave.along * (wave.height * cos);
                 }
                 Spot { height, normal: DVec3::new(-lean.x, 1.0, -lean.y).normalize(), holds: true }
@@ -156,7 +159,7 @@ mod tests {
     fn a_slope_rises_ahead_and_its_normal_leans_back() {
         let slope = terrain(GroundKind::Slope { angle: 25_f64.to_radians() });
         let spot = slope.spot(DVec2::new(3.0, 2.0));
-        assert!((spot.height - 2.0 * 25_f64.to_radians().tan()).abs() < 1e-12 && spot.normal.z < -0.4);
+        assert!((spot.height - 2.0 * real::tan(25_f64.to_radians())).abs() < 1e-12 && spot.normal.z < -0.4);
         assert!(spot.normal.distance(leaning(&slope, DVec2::new(3.0, 2.0))) < 1e-9);
     }
 
@@ -220,8 +223,8 @@ mod tests {
             terrain(GroundKind::Platform { pitch: vec![[1.0, 0.0], [3.0, pitch]], roll: vec![[1.0, 0.0], [3.0, roll]] })
         };
         assert_eq!(turned(0.5, 0.5).turn(0.5), DQuat::IDENTITY);
-        assert!(((turned(0.5, 0.0).turn(9.0) * DVec3::Z).y - 0.5_f64.sin()).abs() < 1e-12, "the front");
-        assert!(((turned(0.0, 0.5).turn(9.0) * DVec3::X).y - 0.5_f64.sin()).abs() < 1e-12, "the left");
-        assert!(((turned(0.5, 0.0).turn(2.0) * DVec3::Z).y - 0.25_f64.sin()).abs() < 1e-12, "half-way");
+        assert!(((turned(0.5, 0.0).turn(9.0) * DVec3::Z).y - real::sin(0.5)).abs() < 1e-12, "the front");
+        assert!(((turned(0.0, 0.5).turn(9.0) * DVec3::X).y - real::sin(0.5)).abs() < 1e-12, "the left");
+        assert!(((turned(0.5, 0.0).turn(2.0) * DVec3::Z).y - real::sin(0.25)).abs() < 1e-12, "half-way");
     }
 }

@@ -13,6 +13,7 @@ use super::skin::{surfaces, transforms_of_globals};
 use super::stage::Stage;
 use super::text::{self, Face, Pen};
 use super::{balance, footing};
+use crate::maths::real;
 use crate::model::report::Part;
 use crate::model::{Clip, ClipReport, Prop, Side};
 use crate::rig::Rig;
@@ -135,7 +136,8 @@ fn leave_prints(frames: &mut [Frame]) {
 
 /// A camera a moment and how wide its picture is, px: together they fill the cell.
 fn cameras(frames: &[Frame]) -> Vec<(Camera, u32)> {
-    let (toward, right) = (DVec3::new(ASIDE.sin(), 0.0, ASIDE.cos()), DVec3::new(ASIDE.cos(), 0.0, -ASIDE.sin()));
+    let (toward, right) =
+        (DVec3::new(real::sin(ASIDE), 0.0, real::cos(ASIDE)), DVec3::new(real::cos(ASIDE), 0.0, -real::sin(ASIDE)));
     let boxes: Vec<(DVec3, DVec3)> = frames.iter().map(compose::bounds).collect();
     let floors: Vec<f64> = frames.iter().zip(&boxes).map(|(frame, found)| compose::floor(frame, found)).collect();
     let tall = boxes.iter().zip(&floors).map(|((_, high), floor)| high.y - floor).fold(0.3, f64::max).min(6.0);

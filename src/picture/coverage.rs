@@ -8,6 +8,7 @@ use super::coverage_marks as marks;
 use super::coverage_wedges as wedges;
 use super::text::escaped;
 use super::verdict::Verdict;
+use crate::maths::real;
 use std::fmt::Write;
 
 /// One variation.
@@ -50,7 +51,7 @@ impl Dial {
 
     /// The place of a direction (degrees) so far out (px).
     pub(super) fn place(&self, direction: f64, far: f64) -> [f64; 2] {
-        let (sin, cos) = direction.to_radians().sin_cos();
+        let (sin, cos) = real::sin_cos(direction.to_radians());
         [self.centre[0] - far * sin, self.centre[1] - far * cos]
     }
 }
@@ -300,7 +301,7 @@ fn step(most: f64) -> f64 {
     if !(most > 1e-9 && most.is_finite()) {
         return 1.0;
     }
-    let power = 10f64.powf((most / 5.0).log10().floor());
+    let power = real::powf(10f64, real::log10(most / 5.0).floor());
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|of| of * power).find(|step| most / step <= 5.0).unwrap_or(10.0 * power)
 }
 

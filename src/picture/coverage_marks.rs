@@ -4,6 +4,7 @@
 use super::coverage::{CoveragePoint, Dial, plain};
 use super::text::escaped;
 use super::verdict::Verdict;
+use crate::maths::real;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
@@ -79,7 +80,7 @@ fn size(centres: &[[f64; 2]], counts: &[usize]) -> f64 {
     let mut size = LARGEST;
     for (one, a) in centres.iter().enumerate() {
         for (two, b) in centres.iter().enumerate().skip(one + 1) {
-            let apart = (a[0] - b[0]).hypot(a[1] - b[1]);
+            let apart = real::hypot(a[0] - b[0], a[1] - b[1]);
             size = size.min(apart / (reach(counts[one]) + reach(counts[two])));
         }
     }
@@ -88,19 +89,19 @@ fn size(centres: &[[f64; 2]], counts: &[usize]) -> f64 {
 
 /// How far a fan reaches, in radii of a mark.
 fn reach(count: usize) -> f64 {
-    fan(count).iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max) + 1.15
+    fan(count).iter().map(|[x, y]| real::hypot(*x, *y)).fold(0.0, f64::max) + 1.15
 }
 
 /// Places about a centre, in radii of a mark: side by side, then rings.
 fn fan(count: usize) -> Vec<[f64; 2]> {
     let ring = |count: usize, radius: f64| {
         let turn = move |at: usize| TAU * at as f64 / count as f64 - PI / 2.0;
-        (0..count).map(move |at| [radius * turn(at).cos(), radius * turn(at).sin()])
+        (0..count).map(move |at| [radius * real::cos(turn(at)), radius * real::sin(turn(at))])
     };
     match count {
         0 | 1 => vec![[0.0, 0.0]; count],
         2 => vec![[-1.15, 0.0], [1.15, 0.0]],
-        3..=6 => ring(count, 1.15 / (PI / count as f64).sin()).collect(),
+        3..=6 => ring(count, 1.15 / real::sin(PI / count as f64)).collect(),
         _ => {
             let mut places = vec![[0.0, 0.0]];
             let mut around = 1;
@@ -125,7 +126,7 @@ mod tests {
             assert_eq!(places.len(), count);
             for (one, a) in places.iter().enumerate() {
                 for b in &places[one + 1..] {
-                    let apart = (a[0] - b[0]).hypot(a[1] - b[1]);
+                    let apart = real::hypot(a[0] - b[0], a[1] - b[1]);
                     assert!(apart > 2.2, "{count}: {apart}");
                 }
             }

@@ -4,6 +4,7 @@
 //! are, so that a side view tells them apart.
 
 use super::raster::{Surface, to_linear};
+use crate::maths::real;
 use crate::model::{Body, BodyPose, Role, Side};
 use glam::{DQuat, DVec2, DVec3};
 use std::borrow::Cow;
@@ -111,11 +112,11 @@ pub fn capsule(a: DVec3, b: DVec3, turn: DQuat, radii: [f64; 2], wide: f64, colo
         let end = ring / CAP;
         let lift = if end == 0 { ring as f64 / CAP as f64 - 1.0 } else { (ring - CAP + 1) as f64 / CAP as f64 };
         let angle = (lift + if end == 0 { 1.0 / CAP as f64 } else { -1.0 / CAP as f64 }) * std::f64::consts::FRAC_PI_2;
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = real::sin_cos(angle);
         let (sin, cos) = if ring == 0 || ring == 2 * CAP - 1 { (sin.signum(), 0.0) } else { (sin, cos) };
         let centre = if end == 0 { a } else { b };
         for step in 0..ROUND {
-            let (s, c) = (std::f64::consts::TAU * step as f64 / ROUND as f64).sin_cos();
+            let (s, c) = real::sin_cos(std::f64::consts::TAU * step as f64 / ROUND as f64);
             let out = across * (c * wide) + depth * s;
             surface.positions.push(centre + (out * cos + axis * sin) * radii[end]);
             let normal = (across * (c / wide) + depth * s).normalize_or(depth) * cos + axis * sin;
@@ -146,7 +147,7 @@ pub fn arrow(tail: DVec3, tip: DVec3, radius: f64, color: [f32; 3]) -> Surface<'
     let mut surface = Surface { color, ..Surface::default() };
     let mut ring = |centre: DVec3, radius: f64, lean: f64| {
         for step in 0..ROUND {
-            let (s, c) = (std::f64::consts::TAU * f64::from(step) / f64::from(ROUND)).sin_cos();
+            let (s, c) = real::sin_cos(std::f64::consts::TAU * f64::from(step) / f64::from(ROUND));
             let out = across * c + depth * s;
             surface.positions.push(centre + out * radius);
             surface.normals.push((out * (1.0 - lean.abs()) + axis * lean).normalize_or(axis));
@@ -241,7 +242,7 @@ pub fn sole_outline(body: &Body, side: Side, from: f64, to: f64) -> Vec<DVec3> {
     };
     let stations = 13;
     // Denser at the ends, where it is round.
-    let share = |at: usize| 0.5 - 0.5 * (std::f64::consts::PI * at as f64 / (stations - 1) as f64).cos();
+    let share = |at: usize| 0.5 - 0.5 * real::cos(std::f64::consts::PI * at as f64 / (stations - 1) as f64);
     let along = |at: usize| from + (to - from) * share(at);
     let edge = |at: usize, sign: f64| {
         let along = along(at);

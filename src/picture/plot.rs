@@ -229,9 +229,10 @@ fn draw_rows<'a>(plot: &Plot, area: &Area<'a>) -> Result<(), Failed<'a>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::maths::real;
 
     fn plot() -> Plot {
-        let points: Vec<(f64, f64)> = (0..100).map(|i| (f64::from(i) * 0.04, f64::from(i).sin())).collect();
+        let points: Vec<(f64, f64)> = (0..100).map(|i| (f64::from(i) * 0.04, real::sin(f64::from(i)))).collect();
         let line = Line { name: "speed <&>".into(), colour: Colour::Blue, dashed: false, points };
         let band = vec![(0.0, -2.0, 2.0), (4.0, -1.0, 1.0)];
         let panel = Panel { label: "m/s".into(), lines: vec![line.clone(), line], band, marks: vec![(1.0, 1.2)] };

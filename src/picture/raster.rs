@@ -6,6 +6,7 @@
 
 use super::ground::tiles;
 use super::shadow::GroundShadow;
+use crate::maths::real;
 use glam::{DMat3, DVec2, DVec3, Vec3};
 use image::{Rgba, RgbaImage};
 use std::borrow::Cow;
@@ -366,14 +367,14 @@ impl Canvas {
 /// Linear light to an sRGB byte.
 pub fn to_srgb(linear: f32) -> u8 {
     let value = linear.clamp(0.0, 1.0);
-    let curve = if value <= 0.003_130_8 { 12.92 * value } else { 1.055 * value.powf(1.0 / 2.4) - 0.055 };
+    let curve = if value <= 0.003_130_8 { 12.92 * value } else { 1.055 * real::powf32(value, 1.0 / 2.4) - 0.055 };
     (curve * 255.0 + 0.5) as u8
 }
 
 /// An sRGB byte to linear light.
 pub fn to_linear(byte: u8) -> f32 {
     let value = f32::from(byte) / 255.0;
-    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+    if value <= 0.04045 { value / 12.92 } else { real::powf32((value + 0.055) / 1.055, 2.4) }
 }
 
 /// What is seen at a pixel where nothing stands.
@@ -392,7 +393,7 @@ fn backdrop(camera: &Camera, pixel: DVec2) -> Vec3 {
     let ahead = DVec2::new(ray.x, ray.z).normalize_or(DVec2::Y).abs();
     let covers = DVec2::new(across * ahead.y + along * ahead.x, across * ahead.x + along * ahead.y);
     let color = tiles(DVec2::new(point.x, point.z), covers);
-    let fade = 1.0 - (-((distance - 5.0).max(0.0) / 14.0)).exp();
+    let fade = 1.0 - real::exp(-((distance - 5.0).max(0.0) / 14.0));
     color.lerp(SKY_LOW, fade as f32)
 }
 

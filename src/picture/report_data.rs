@@ -4,6 +4,7 @@
 //! every `stride`-th frame of a clip too long for its share of the page. Numbers of flags, contacts and steps are clip frames.
 
 use super::report_frames::FrameRow;
+use crate::maths::real;
 use crate::model::findings::{Findings, FootContact};
 use crate::model::{Capture, Role, Side};
 use glam::{DVec2, DVec3};
@@ -204,7 +205,7 @@ fn prints(view: &ClipView) -> Vec<Value> {
             let length = |point: DVec3| mm((flat(point) - middle).dot(along));
             prints.push(json!({
                 "foot": name, "start": start, "end": end, "x": mm(middle.x), "y": mm(view.rows[frame].floor), "z": mm(middle.y),
-                "angle": (along.x.atan2(along.y) * 1000.0).round() as i64,
+                "angle": (real::atan2(along.x, along.y) * 1000.0).round() as i64,
                 "heel": length(heel), "ball": length(ball), "tip": length(tip),
             }));
         }

@@ -201,6 +201,7 @@ fn treads(mesh: &mut Mesh, planes: &[Plane], (low, high): (DVec2, DVec2), height
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::maths::real;
 
     fn level(y: f64, from: f64, to: f64) -> Plane {
         let (low, high) = (DVec2::new(-0.1, from), DVec2::new(0.1, to));
@@ -222,8 +223,8 @@ mod tests {
     #[test]
     fn a_plane_knows_its_height_beside_its_point() {
         let angle = 0.2_f64;
-        let normal = DVec3::new(0.0, angle.cos(), -angle.sin());
+        let normal = DVec3::new(0.0, real::cos(angle), -real::sin(angle));
         let plane = Plane { point: DVec3::new(0.0, 1.0, 2.0), normal, low: DVec2::ZERO, high: DVec2::ZERO };
-        assert!((plane.height(DVec2::new(5.0, 3.0)) - 1.0 - angle.tan()).abs() < 1e-12);
+        assert!((plane.height(DVec2::new(5.0, 3.0)) - 1.0 - real::tan(angle)).abs() < 1e-12);
     }
 }

@@ -1,5 +1,6 @@
 //! Words on a picture: two fonts that travel inside the program, blended by coverage. Pixels, from the top left.
 
+use crate::maths::real;
 use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
 use image::{Rgba, RgbaImage};
 use std::sync::LazyLock;
@@ -56,7 +57,8 @@ pub fn write(image: &mut RgbaImage, x: f32, y: f32, pen: Pen, text: &str) -> f32
             outline.draw(|dx, dy, coverage| {
                 let (px, py) = (bounds.min.x as i64 + i64::from(dx), bounds.min.y as i64 + i64::from(dy));
                 // The light cut of the prose font reads thin at these sizes: lift the middle of its edges.
-                let coverage = if pen.face == Face::Prose { coverage.powf(0.72) } else { coverage.powf(0.88) };
+                let coverage =
+                    if pen.face == Face::Prose { real::powf32(coverage, 0.72) } else { real::powf32(coverage, 0.88) };
                 blend(image, px, py, pen.color, coverage);
             });
         }

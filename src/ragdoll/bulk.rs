@@ -2,6 +2,7 @@
 //! carries. Metres, kilograms, a link's own frame.
 
 use super::figure::{Figure, Freedom, Maker, Part};
+use crate::maths::real;
 use crate::model::Side;
 use glam::{DMat3, DQuat, DVec3};
 
@@ -65,7 +66,7 @@ impl Maker<'_> {
                 low.y = low.y.max(link.centre.y - UNDER_CENTRE * self.body.height);
             }
             let volume = link.mass / 1000.0;
-            let long = (high - low).max_element().max(0.5 * volume.cbrt());
+            let long = (high - low).max_element().max(0.5 * real::cbrt(volume));
             let side = (volume / long).sqrt();
             let half = (0.5 * (high - low)).max(DVec3::splat(0.5 * side));
             link.half = half;
@@ -87,7 +88,7 @@ impl Maker<'_> {
             let ahead = self.stand.turns[shape.ankle]
                 * shape.level.inverse()
                 * DVec3::new(shape.forward.x, 0.0, shape.forward.y);
-            let turn = DQuat::from_rotation_y(ahead.x.atan2(ahead.z));
+            let turn = DQuat::from_rotation_y(real::atan2(ahead.x, ahead.z));
             let height = (0.9 * shape.ankle_height).max(0.02 * self.body.height);
             let link = &mut self.links[foot];
             link.turn = turn;

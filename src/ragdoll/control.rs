@@ -18,6 +18,7 @@ use super::{flat, short};
 use crate::maths::hull::{closest_point, signed_distance};
 use crate::maths::pendulum::GRAVITY;
 use crate::maths::quat::yaw_of;
+use crate::maths::real;
 use crate::model::{Side, Terrain};
 use glam::{DQuat, DVec2, DVec3};
 
@@ -198,7 +199,7 @@ impl Controller {
 
     /// m, from the ankle to where a foot bears best.
     pub(super) fn ahead(&self, yaw: f64) -> DVec2 {
-        DVec2::new(yaw.sin(), yaw.cos()) * self.middle
+        DVec2::new(real::sin(yaw), real::cos(yaw)) * self.middle
     }
 
     /// One tick: reads the world, decides, drives. The world is to be stepped after it.

@@ -6,6 +6,7 @@ use super::figure::{Figure, Freedom, Part};
 use super::short;
 use super::toes;
 use super::world::{LinkState, World};
+use crate::maths::real;
 use glam::DVec3;
 
 /// rad/s, natural frequency of the tone when balance is lost and later, and how fast it goes over (s).
@@ -16,7 +17,7 @@ const DAMPED: f64 = 6.0;
 
 /// Lets the joints be those of a body that has fallen for `passed` s, for the coming tick.
 pub fn relax(figure: &Figure, world: &mut World, states: &[LinkState], passed: f64) {
-    let tone = TONE[1] + (TONE[0] - TONE[1]) * (-passed / WANES).exp();
+    let tone = TONE[1] + (TONE[0] - TONE[1]) * real::exp(-passed / WANES);
     toes::drive(figure, world, states, &[[0.0; 2]; 2]);
     for (index, link) in figure.links.iter().enumerate().skip(1) {
         if let Part::Toes(_) = link.part {

@@ -7,6 +7,7 @@
 
 use super::sole;
 use super::toes;
+use crate::maths::real;
 use crate::measure::joints::{JointAxes, LegAngles};
 use crate::model::{Body, BodyPose, Role, Side};
 use glam::{DMat3, DQuat, DVec3};
@@ -297,7 +298,7 @@ impl<'a> Maker<'a> {
         let (upper, lower) = ((b - a).normalize_or_zero(), (c - b).normalize_or_zero());
         let square = upper.cross(lower);
         let axis = if square.length() > 0.03 { square.normalize() } else { across };
-        let bent = square.length().atan2(upper.dot(lower));
+        let bent = real::atan2(square.length(), upper.dot(lower));
         Freedom::Hinge { axis, range: [-bent, most.to_radians() - bent] }
     }
 

@@ -2,6 +2,7 @@
 //!
 //! Scenario space, SI; lengths are for legs of 0.83 m, times for a centre of mass 0.96 m up, and scale with them.
 
+use crate::maths::real;
 use crate::model::Side;
 use glam::DVec2;
 
@@ -187,13 +188,13 @@ impl Gait {
 
 /// A ground vector (x, z) turned by a yaw.
 pub(super) fn turned(vector: DVec2, yaw: f64) -> DVec2 {
-    let (sin, cos) = yaw.sin_cos();
+    let (sin, cos) = real::sin_cos(yaw);
     DVec2::new(vector.x * cos + vector.y * sin, vector.y * cos - vector.x * sin)
 }
 
 /// What a straight run of the pressure of `time` s, that starts `after` s from now, counts in ξ: of its two ends.
 pub(super) fn weights(rate: f64, after: f64, time: f64) -> [f64; 2] {
-    let (one, two) = ((-rate * after).exp(), (-rate * (after + time)).exp());
+    let (one, two) = (real::exp(-rate * after), real::exp(-rate * (after + time)));
     if rate * time < 1e-9 {
         return [0.0, 0.0];
     }
@@ -209,7 +210,7 @@ mod tests {
     fn the_pressure_s_weights_are_those_of_the_pendulum() {
         // A pressure that stays counts all that is left of ξ over the time: 1 - e^(-ωT).
         let [a, b] = weights(3.2, 0.0, 0.4);
-        assert!((a + b - (1.0 - (-3.2_f64 * 0.4).exp())).abs() < 1e-12 && a > b, "{a} {b}");
+        assert!((a + b - (1.0 - real::exp(-3.2_f64 * 0.4))).abs() < 1e-12 && a > b, "{a} {b}");
         assert_eq!(weights(3.2, 0.1, 0.0), [0.0, 0.0]);
     }
 

@@ -2,6 +2,7 @@
 //!
 //! Constants are for legs of 0.83 m: lengths scale with the leg, times with its root.
 
+use crate::maths::real;
 use crate::model::Side;
 use glam::DVec2;
 
@@ -109,16 +110,16 @@ pub fn choose(situation: &Situation, tuning: &StepTuning) -> Target {
 /// Where that foot should land `left` s from now, in a swing of `time` s.
 pub fn aim(situation: &Situation, tuning: &StepTuning, side: Side, time: f64, left: f64) -> Target {
     let size = situation.size;
-    let growth = (situation.rate * left).exp();
+    let growth = real::exp(situation.rate * left);
     let touch = situation.pivot + (situation.xi - situation.pivot) * growth;
-    let left_ward = DVec2::new(situation.heading.cos(), -situation.heading.sin());
+    let left_ward = DVec2::new(real::cos(situation.heading), -real::sin(situation.heading));
     let outward = left_ward * side.sign();
     let stance = situation.feet[side.other() as usize];
     let motion = situation.velocity.normalize_or_zero() * (situation.velocity.length() / 0.3).min(1.0);
-    let whole = (situation.rate * time).exp();
+    let whole = real::exp(situation.rate * time);
     let capture =
         touch - situation.drift + outward * (tuning.outside * size / (1.0 + whole)) + motion * (tuning.along * size);
-    let ahead = DVec2::new(situation.heading.sin(), situation.heading.cos());
+    let ahead = DVec2::new(real::sin(situation.heading), real::cos(situation.heading));
     let mut at = capture + (outward * tuning.nudge[0] + ahead * tuning.nudge[1]) * size;
     // On its own side of the stance foot.
     let apart = (at - stance).dot(outward);
@@ -126,7 +127,7 @@ pub fn aim(situation: &Situation, tuning: &StepTuning, side: Side, time: f64, le
         at += outward * (tuning.clear * size - apart);
     }
     // Within reach of the hip as it will be, and of the other foot.
-    let (sinh, cosh) = ((situation.rate * left).sinh(), (situation.rate * left).cosh());
+    let (sinh, cosh) = (real::sinh(situation.rate * left), real::cosh(situation.rate * left));
     let hip = situation.pivot
         + (situation.com - situation.pivot) * cosh
         + situation.velocity * (sinh / situation.rate)

@@ -9,6 +9,7 @@ use super::ranges::leaning;
 use super::sole::POINTS;
 use super::{flat, short};
 use crate::maths::curve::smooth3;
+use crate::maths::real;
 use crate::model::{Side, Terrain};
 use glam::{DQuat, DVec3};
 
@@ -38,7 +39,7 @@ pub(super) struct Sole {
 fn swing(relative: DQuat) -> DVec3 {
     let bone = relative * DVec3::NEG_Y;
     let axis = DVec3::NEG_Y.cross(bone);
-    axis.normalize_or_zero() * axis.length().atan2(-bone.y)
+    axis.normalize_or_zero() * real::atan2(axis.length(), -bone.y)
 }
 
 /// Least and most swing about x and z for ranges of flexion (of a limb: about -x) and of turning outwards (of a left one: about z).

@@ -72,6 +72,7 @@ fn width(outline: &[DVec2], at: f64) -> Option<[f64; 2]> {
 mod tests {
     use super::*;
     use crate::maths::hull::signed_distance;
+    use crate::maths::real;
     use crate::measure::fixture;
 
     #[test]
@@ -84,7 +85,7 @@ mod tests {
         let ahead = DVec3::new(shape.forward.x, 0.0, shape.forward.y);
         let across = DVec3::Y.cross(ahead);
         let rim = |index: i32| {
-            let (sin, cos) = (f64::from(index) * std::f64::consts::TAU / 64.0).sin_cos();
+            let (sin, cos) = real::sin_cos(f64::from(index) * std::f64::consts::TAU / 64.0);
             ahead * (middle + 0.5 * long * cos) + across * (0.5 * wide * sin) - DVec3::Y * shape.ankle_height
         };
         let unlevel = shape.level.inverse();

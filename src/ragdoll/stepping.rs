@@ -8,6 +8,7 @@ use super::swing::{self, Reference};
 use crate::maths::hull::{closest_point, convex_hull, shrink, signed_distance};
 use crate::maths::pendulum::GRAVITY;
 use crate::maths::quat::wrap_angle;
+use crate::maths::real;
 use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
 
@@ -180,7 +181,7 @@ impl Controller {
         let still = self.motion.velocity.length() < 0.12 * tempo && out < -0.01 * self.size;
         self.quiet = if still { self.quiet + dt } else { 0.0 };
         let feet = Side::BOTH.map(|side| self.sole_middle(figure, side));
-        let across = DVec2::new(self.heading.cos(), -self.heading.sin());
+        let across = DVec2::new(real::cos(self.heading), -real::sin(self.heading));
         // Where a foot would stand beside the other.
         let beside = |side: Side| feet[side.other() as usize] + across * (side.sign() * self.stance_width);
         if let Some((side, since)) = self.shifting {

@@ -9,6 +9,7 @@ use super::sole::POINTS;
 use super::{flat, short};
 use crate::maths::curve::smooth3;
 use crate::maths::quat::{wrap_angle, yaw_of};
+use crate::maths::real;
 use crate::model::{Side, Terrain};
 use glam::{DQuat, DVec2, DVec3};
 
@@ -156,7 +157,7 @@ impl Controller {
         let (thigh, shank) = (figure.links[knee].anchor.length(), figure.links[ankle].anchor.length());
         let flexion = |length: f64| {
             let cos = (thigh * thigh + shank * shank - length * length) / (2.0 * thigh * shank);
-            std::f64::consts::PI - cos.clamp(-1.0, 1.0).acos()
+            std::f64::consts::PI - real::acos(cos.clamp(-1.0, 1.0))
         };
         let whole = thigh + shank;
         let away = self.states[hip].origin.distance(self.states[ankle].origin);

@@ -12,6 +12,7 @@ use super::swing::Reference;
 use crate::maths::hull::{closest_point, signed_distance};
 use crate::maths::pendulum::GRAVITY;
 use crate::maths::quat::wrap_angle;
+use crate::maths::real;
 use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
 
@@ -81,7 +82,7 @@ impl Controller {
             return [0.0; 3];
         }
         let [step, _] = self.rhythm();
-        let ahead = DVec2::new(self.heading.sin(), self.heading.cos());
+        let ahead = DVec2::new(real::sin(self.heading), real::cos(self.heading));
         let pace = self.gait.velocity.dot(ahead) / self.size.sqrt();
         let swings = self.gait.swings();
         let most = match figure.links[link].part {
@@ -91,7 +92,7 @@ impl Controller {
             _ => return [0.0; 3],
         };
         let turn = std::f64::consts::PI / step;
-        let (sin, cos) = (turn * (self.time - self.gait.since).clamp(0.0, 1.2 * step)).sin_cos();
+        let (sin, cos) = real::sin_cos(turn * (self.time - self.gait.since).clamp(0.0, 1.2 * step));
         [most * cos, -most * turn * sin, -most * turn * turn * cos]
     }
 
@@ -101,7 +102,7 @@ impl Controller {
     }
 
     fn across(&self) -> DVec2 {
-        DVec2::new(self.heading.cos(), -self.heading.sin())
+        DVec2::new(real::cos(self.heading), -real::sin(self.heading))
     }
 
     /// s: a whole step, and its part in which both feet bear.
@@ -123,12 +124,12 @@ impl Controller {
         let slow = (1.0 - self.gait.velocity.length() / (0.5 * tempo)).max(0.0);
         let width = tuning.width * self.size + (self.stance_width - tuning.width * self.size).max(0.0) * slow;
         let inner = self.across() * (swings.sign() * width);
-        let ahead = DVec2::new(self.heading.sin(), self.heading.cos());
+        let ahead = DVec2::new(real::sin(self.heading), real::cos(self.heading));
         let pace = (velocity.dot(ahead) / tempo).clamp(-0.5, 1.5);
         let roll = tuning.roll.map(|way| ahead * (way * pace * self.size));
         let way = velocity * step;
         let rear = inner - way + roll[1];
-        let fade = (-rate * step).exp();
+        let fade = real::exp(-rate * step);
         let [a0, a1] = weights(rate, 0.0, double);
         let [s0, s1] = weights(rate, double, step - double);
         let level = (roll[1] * (a0 + s1) + roll[0] * (a1 + s0) + way * (fade - a0)) / (1.0 - fade);
@@ -138,11 +139,11 @@ impl Controller {
             let cop = rear + (roll[0] - rear) * (passed / double);
             let [a, b] = weights(rate, 0.0, double - passed);
             let [c, d] = weights(rate, double - passed, step - double);
-            (cop, cop * a + roll[0] * (b + c) + roll[1] * d + end * (-rate * (step - passed)).exp())
+            (cop, cop * a + roll[0] * (b + c) + roll[1] * d + end * real::exp(-rate * (step - passed)))
         } else {
             let cop = roll[0] + (roll[1] - roll[0]) * ((passed - double) / (step - double));
             let [a, b] = weights(rate, 0.0, step - passed);
-            (cop, cop * a + roll[1] * b + end * (-rate * (step - passed)).exp())
+            (cop, cop * a + roll[1] * b + end * real::exp(-rate * (step - passed)))
         };
         Orbit { cop, xi, stride: way + inner, rear: a0, left: step - passed }
     }
@@ -166,10 +167,10 @@ impl Controller {
             return false;
         }
         let inner = self.across() * swings.sign();
-        let ahead = DVec2::new(self.heading.sin(), self.heading.cos());
+        let ahead = DVec2::new(real::sin(self.heading), real::cos(self.heading));
         let stance = self.sole_middle(figure, swings.other());
         let [step, _] = self.rhythm();
-        let near = self.stance_width / (1.0 + (rate * step).exp());
+        let near = self.stance_width / (1.0 + real::exp(rate * step));
         let goal = stance + inner * near + ahead * (0.03 * self.size);
         self.gait.goal = xi + (xi - goal) * self.gait.tuning.gain;
         let off = (xi - stance).dot(inner);
@@ -301,7 +302,7 @@ impl Controller {
         }
         let tempo = self.size.sqrt();
         let time = 0.28 * tempo;
-        self.gait.velocity * (self.gait.tuning.keeps * time / ((rate * time).exp() - 1.0))
+        self.gait.velocity * (self.gait.tuning.keeps * time / (real::exp(rate * time) - 1.0))
     }
 
     /// Whether corrective steps have brought it back to where the walk can go on.
@@ -354,12 +355,12 @@ impl Controller {
         let (com, velocity) = (super::flat(self.motion.com), super::flat(self.motion.velocity));
         let from = DVec2::new(swing.reference.at.x, swing.reference.at.z) + self.ahead(swing.yaw);
         let plan = |left: f64| {
-            let growth = (rate * left).exp();
+            let growth = real::exp(rate * left);
             let error = gives + (off - gives) * growth + push * (growth - 1.0);
             let early = self.orbit(rate, swing.side, begun + left).xi - last;
             let wanted = orbit.stride + (early + error) * (tuning.place / (1.0 - orbit.rear));
             let mut step = wanted.clamp_length_max(tuning.span * size);
-            let (sinh, cosh) = ((rate * left).sinh(), (rate * left).cosh());
+            let (sinh, cosh) = (real::sinh(rate * left), real::cosh(rate * left));
             let pivot = stance + orbit.cop + gives;
             let hip = pivot + (com - pivot) * cosh + velocity * (sinh / rate) + outward * (0.09 * size) - stance;
             step = hip + (step - hip).clamp_length_max(tuning.reach * size);

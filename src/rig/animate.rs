@@ -7,6 +7,7 @@
 
 pub use super::sampler::{SampledPose, Sampler, hermite, slerp};
 use super::{Rig, RigNode, Trs};
+use crate::maths::real;
 use crate::model::{BodyPose, Clip, Role};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use gltf::json::Scene;
@@ -350,7 +351,7 @@ pub(super) fn ik_role(name: &str) -> Option<Role> {
 fn node_scale(globals: &[DAffine3], rig: &Rig, node: usize) -> f64 {
     let linear =
         rig.nodes[node].parent.map_or_else(|| rig.scenario_from_document().matrix3, |parent| globals[parent].matrix3);
-    linear.determinant().abs().cbrt()
+    real::cbrt(linear.determinant().abs())
 }
 
 /// Whether two transforms differ by more than the rounding of a file: (by 0.05 mm, by 0.005 degrees).

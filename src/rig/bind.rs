@@ -8,6 +8,7 @@
 
 use super::nodes::{decompose, globals, order};
 use super::{Document, Fault, Rig, RigNode};
+use crate::maths::real;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 
 /// Relative to the skeleton's size: transforms nearer than this are the same.
@@ -172,7 +173,7 @@ fn misfit(world: &DAffine3, skin: &Skin, locals: &[DAffine3], size: f64) -> f64 
     let mut cost = 0.0;
     for (joint, inverse_bind) in skin.joints.iter().zip(&skin.inverse_binds) {
         let (bound, posed) = (decompose(&(*world * inverse_bind.inverse())), decompose(&locals[*joint]));
-        let scale = (mean(bound.scale.abs()).max(1e-12) / mean(posed.scale.abs()).max(1e-12)).ln().abs();
+        let scale = real::ln(mean(bound.scale.abs()).max(1e-12) / mean(posed.scale.abs()).max(1e-12)).abs();
         let angle = angle(bound.rotation, posed.rotation);
         let shift = (bound.translation - posed.translation).length() / size;
         cost += 20.0 * scale + angle + 0.5 * shift.min(10.0);
@@ -226,11 +227,11 @@ fn spread(points: impl Iterator<Item = DVec3>) -> f64 {
 }
 
 fn mean(scale: DVec3) -> f64 {
-    (scale.x * scale.y * scale.z).cbrt()
+    real::cbrt(scale.x * scale.y * scale.z)
 }
 
 fn angle(a: DQuat, b: DQuat) -> f64 {
-    2.0 * a.dot(b).abs().min(1.0).acos()
+    2.0 * real::acos(a.dot(b).abs().min(1.0))
 }
 
 fn affine(columns: &[f32]) -> DAffine3 {

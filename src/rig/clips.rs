@@ -293,6 +293,7 @@ impl Track {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::maths::real;
 
     fn track(property: Property, join: Join, times: &[f32], values: &[f32]) -> Track {
         Track { node: 0, property, join, times: times.to_vec(), values: values.to_vec() }
@@ -325,16 +326,16 @@ mod tests {
 
     #[test]
     fn rotations_take_the_shorter_arc_and_a_spline_of_them_stays_of_unit_length() {
-        let half = (0.5_f32).sin();
+        let half = real::sin(0.5) as f32;
         let linear = track(
             Property::Rotation,
             Join::Linear,
             &[0.0, 1.0],
-            &[0.0, 0.0, 0.0, 1.0, -half, 0.0, 0.0, -(0.5_f32).cos()],
+            &[0.0, 0.0, 0.0, 1.0, -half, 0.0, 0.0, -(real::cos(0.5) as f32)],
         );
         assert!((linear.rotation(0.5).to_scaled_axis().x - 0.5).abs() < 1e-6);
         let mut values = vec![0.0; 24];
-        (values[7], values[16], values[19]) = (1.0, half, (0.5_f32).cos());
+        (values[7], values[16], values[19]) = (1.0, half, (real::cos(0.5) as f32));
         (values[8], values[13]) = (2.0, -1.0);
         let cubic = track(Property::Rotation, Join::CubicSpline, &[0.0, 1.0], &values);
         for at in 0..=10 {

@@ -96,6 +96,7 @@ fn clipped(triangle: [DVec3; 3], low: DVec3, high: DVec3) -> Vec<DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::maths::real;
     use crate::rig::body::{BodyInput, derive};
 
     /// Shoulders at 1.4 m and 0.18 m out, arms of 0.3 and 0.25 m that hang; hips at 0.95 m. Node indices are the order.
@@ -127,7 +128,7 @@ mod tests {
         for step in 0..count {
             let angle = std::f64::consts::TAU * f64::from(step) / f64::from(count);
             for (radius, y) in [(waist, 1.0), (hem, 0.6)] {
-                part.positions.push(DVec3::new(radius * angle.cos(), y, radius * angle.sin()));
+                part.positions.push(DVec3::new(radius * real::cos(angle), y, radius * real::sin(angle)));
                 part.weights.push([(node, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)]);
             }
             let (here, next) = (2 * step, 2 * ((step + 1) % count));

@@ -189,6 +189,7 @@ fn is_hand(role: Role, side: Side) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use crate::maths::real;
     use crate::model::{Body, Flesh, Role};
     use crate::rig::MeshPart;
     use crate::rig::body::{BodyInput, derive};
@@ -225,7 +226,7 @@ mod tests {
         for ring in 0..=8 {
             let at = from.lerp(to, f64::from(ring) / 8.0);
             for step in 0..16 {
-                let (sin, cos) = (std::f64::consts::TAU * f64::from(step) / 16.0).sin_cos();
+                let (sin, cos) = real::sin_cos(std::f64::consts::TAU * f64::from(step) / 16.0);
                 part.positions.push(at + (across * cos + depth * sin) * radius);
                 part.weights.push([(node, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)]);
             }

@@ -7,6 +7,7 @@
 use super::bind::Skin;
 use super::names::assign_spine;
 use super::{Document, RigNode, space};
+use crate::maths::real;
 use crate::model::Role;
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -145,7 +146,7 @@ impl<'a> Tree<'a> {
                     }
                     let tips = [one, other].map(|path| height(path[path.len() - 1]) - low);
                     let uneven = (one.len() as f64 - other.len() as f64).abs() * 0.1;
-                    let cost = (tips[0] + tips[1]) / size + (long / short).ln().abs() + uneven;
+                    let cost = (tips[0] + tips[1]) / size + real::ln(long / short).abs() + uneven;
                     if best.as_ref().is_none_or(|(least, _)| cost < *least - 1e-9) {
                         best = Some((cost, Pair { from, limbs: [one.clone(), other.clone()] }));
                     }
@@ -239,7 +240,7 @@ impl<'a> Tree<'a> {
                 for foot in knee + 1..count {
                     let (thigh, shank) = (place(first).distance(place(knee)), place(knee).distance(place(foot)));
                     let over = (place(foot).dot(up) - low) / (thigh + shank).max(1e-9);
-                    let bones = (thigh.max(1e-9) / shank.max(1e-9)).ln().abs() + 3.0 * (over - 0.4).max(0.0);
+                    let bones = real::ln(thigh.max(1e-9) / shank.max(1e-9)).abs() + 3.0 * (over - 0.4).max(0.0);
                     let skipped = (foot - first - 2) as f64 * SKIPPED + first as f64 * 0.5;
                     for toes in foot..count {
                         let ahead = place(toes) - place(foot);
@@ -285,7 +286,7 @@ impl<'a> Tree<'a> {
                 for hand in elbow..count {
                     let upper = place(first).distance(place(elbow));
                     let lower = if hand > elbow { place(elbow).distance(place(hand)) } else { upper };
-                    let mut cost = (upper.max(1e-9) / lower.max(1e-9)).ln().abs();
+                    let mut cost = real::ln(upper.max(1e-9) / lower.max(1e-9)).abs();
                     cost += (hand.max(elbow + 1) - first - 2) as f64 * SKIPPED + (count - 1 - hand) as f64 * TAIL;
                     cost += if hand == elbow { 0.4 } else { 0.0 };
                     // More behind the hand than fingers: the hand was taken too early.

@@ -6,6 +6,7 @@
 //! [`super::mannequin_shape`], bytes in [`super::mannequin_document`].
 
 use super::{mannequin_document, mannequin_shape};
+use crate::maths::real;
 use crate::model::Role;
 use glam::DVec3;
 
@@ -84,7 +85,7 @@ pub(super) fn bone(bones: &[Bone], role: Role) -> usize {
 /// Unit: down the left arm at rest.
 pub(super) fn arm_direction() -> DVec3 {
     let off_body = 40f64.to_radians();
-    DVec3::new(off_body.sin(), -off_body.cos(), 0.0)
+    DVec3::new(real::sin(off_body), -real::cos(off_body), 0.0)
 }
 
 /// Where the left arm begins, m.

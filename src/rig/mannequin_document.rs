@@ -4,6 +4,7 @@
 
 use super::mannequin::Bone;
 use super::mannequin_mesh::Surface;
+use crate::maths::real;
 use glam::DVec3;
 use serde_json::{Map, Value, json};
 
@@ -130,7 +131,7 @@ fn single(place: DVec3) -> [f64; 3] {
 
 /// sRGB to linear, to four places.
 fn linear(value: f64) -> f64 {
-    (((value + 0.055) / 1.055).powf(2.4) * 1e4).round() / 1e4
+    (real::powf((value + 0.055) / 1.055, 2.4) * 1e4).round() / 1e4
 }
 
 /// The four largest shares in 255ths that sum to 255.

@@ -4,6 +4,7 @@
 //! table are Catmull-Rom. Tubes run into each other and are not welded: balls at shoulder and hip turn in place, knees
 //! and elbows blend. Only the left side is written down; the right is its mirror image.
 
+use crate::maths::real;
 use glam::{DVec2, DVec3};
 
 /// A skin weight: joint index and share.
@@ -46,8 +47,8 @@ impl Ring {
     }
 
     fn point(&self, turn: f64) -> DVec3 {
-        let (sine, cosine) = turn.sin_cos();
-        let bend = |value: f64| value.signum() * value.abs().powf(2.0 / self.power);
+        let (sine, cosine) = real::sin_cos(turn);
+        let bend = |value: f64| value.signum() * real::powf(value.abs(), 2.0 / self.power);
         let aside = bend(cosine) * if cosine >= 0.0 { self.half[0] } else { self.half[1] };
         let ahead = bend(sine) * if sine >= 0.0 { self.half[2] } else { self.half[3] };
         self.centre + self.left * aside + self.front * ahead

@@ -5,6 +5,7 @@
 
 use super::mannequin::{Bone, SHOULDER, arm_direction, bone};
 use super::mannequin_mesh::{Ring, Row, Share, Surface, chain, ease, rings};
+use crate::maths::real;
 use crate::model::Role;
 use glam::DVec3;
 
@@ -134,7 +135,7 @@ fn face(place: DVec3) -> DVec3 {
         return place;
     }
     let bump = |x: f64, y: f64, wide: f64, high: f64| {
-        (-((place.x.abs() - x) / wide).powi(2) - ((place.y - y) / high).powi(2)).exp()
+        real::exp(-((place.x.abs() - x) / wide).powi(2) - ((place.y - y) / high).powi(2))
     };
     let nose = 0.015 * bump(0.0, 1.556, 0.013, 0.020) + 0.008 * bump(0.0, 1.584, 0.012, 0.024);
     let sockets = -0.007 * bump(0.033, 1.590, 0.022, 0.020);

@@ -5,6 +5,7 @@
 
 use super::Rig;
 use super::animate::orientation;
+use crate::maths::real;
 use crate::model::{BodyPose, Clip, Interpolation, KeyValues, Target};
 use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4};
 
@@ -242,6 +243,6 @@ pub fn slerp(from: DQuat, to: DQuat, share: f64) -> DQuat {
     if dot > 1.0 - 1e-9 {
         return (from * (1.0 - share) + to * share).normalize();
     }
-    let angle = dot.min(1.0).acos();
-    (from * ((1.0 - share) * angle).sin() + to * (share * angle).sin()) * (1.0 / angle.sin())
+    let angle = real::acos(dot.min(1.0));
+    (from * real::sin((1.0 - share) * angle) + to * real::sin(share * angle)) * (1.0 / real::sin(angle))
 }

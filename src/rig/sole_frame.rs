@@ -5,6 +5,7 @@
 
 use super::sole::FootInput;
 use super::sole_plane::resting_normal;
+use crate::maths::real;
 use glam::{DQuat, DVec2, DVec3};
 
 /// Toes whose soles are off level by less than this are taken as level, rad: they curve up in front (toe spring).
@@ -45,7 +46,7 @@ pub(super) fn across(forward: DVec2) -> DVec2 {
 }
 
 pub(super) fn angle_of(turn: DQuat) -> f64 {
-    2.0 * turn.xyz().length().atan2(turn.w.abs())
+    2.0 * real::atan2(turn.xyz().length(), turn.w.abs())
 }
 
 pub(super) fn extent(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
@@ -91,9 +92,9 @@ pub(super) fn heading(input: &FootInput, points: &[DVec3], level: DQuat) -> DVec
         xz += from_mean.x * from_mean.y;
     }
     // The long axis of the spread; near round, or far from ahead, it says nothing.
-    let swing = 0.5 * (2.0 * xz).atan2(zz - xx);
+    let swing = 0.5 * real::atan2(2.0 * xz, zz - xx);
     let spread = ((zz - xx).powi(2) + 4.0 * xz * xz).sqrt() / (zz + xx).max(1e-12);
-    if spread < 0.25 || swing.abs() > 0.9 { DVec2::Y } else { DVec2::new(swing.sin(), swing.cos()) }
+    if spread < 0.25 || swing.abs() > 0.9 { DVec2::Y } else { DVec2::new(real::sin(swing), real::cos(swing)) }
 }
 
 /// The turn that lays the toes flat: only the pitch counts, and a toe spring is left alone.
@@ -109,7 +110,7 @@ pub(super) fn toe_turn(points: &[DVec3], level: DQuat, forward: DVec2) -> DQuat 
         let middle = forward * (near + 0.4 * (far - near)) + across(forward) * ((left + right) / 2.0);
         let normal = resting_normal(&turned, middle);
         // Positive where the toes point up.
-        (-along(normal, forward)).atan2(normal.y)
+        real::atan2(-along(normal, forward), normal.y)
     };
     let pitch = pitch_of(level);
     if pitch.abs() < TOE_LEVEL_WITHIN {

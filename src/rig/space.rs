@@ -5,6 +5,7 @@
 //! it are recognised by the body itself.
 
 use super::{MeshPart, RigNode, Similarity};
+use crate::maths::real;
 use crate::model::Role;
 use glam::{DMat3, DQuat, DVec3};
 use std::collections::BTreeMap;
@@ -88,7 +89,7 @@ pub fn not_human(bones: &BTreeMap<Role, usize>, positions: &[DVec3]) -> Option<S
     if straight >= UPRIGHT {
         return None;
     }
-    let angle = straight.clamp(-1.0, 1.0).acos().to_degrees();
+    let angle = real::acos(straight.clamp(-1.0, 1.0)).to_degrees();
     let hand = |role: Role| bones.get(&role).map(|node| positions[*node]);
     let up = legs.normalize();
     let hands = [Role::LeftHand, Role::RightHand].into_iter().filter_map(hand).map(|hand| (hand - marks.feet).dot(up));
@@ -115,7 +116,7 @@ pub fn stance(
         confidence *= 0.9;
         warnings.push(format!(
             "the body leans {:.0} degrees in its bind pose",
-            body_up.dot(up).min(1.0).acos().to_degrees()
+            real::acos(body_up.dot(up).min(1.0)).to_degrees()
         ));
     }
     let left = (marks.left - up * marks.left.dot(up)).normalize_or_zero();
@@ -174,7 +175,7 @@ fn units_of(height: f64) -> f64 {
     }
     let likely = UNITS.iter().find(|(unit, human)| human.contains(&(height * unit))).map(|(unit, _)| *unit);
     likely.unwrap_or_else(|| {
-        let power = (1.7 / height).log10().round().clamp(-12.0, 12.0);
+        let power = real::log10(1.7 / height).round().clamp(-12.0, 12.0);
         10_f64.powi(power as i32)
     })
 }

@@ -3,6 +3,7 @@
 //! Scenario space, SI units. A lane's entry holds from its start until the next one's, or for its duration.
 
 use super::session::SessionPush;
+use crate::maths::real;
 use crate::model::scenario::{Crouch, Feet, Scenario, Stand, Turn, Walk};
 use crate::model::{Physique, Terrain};
 use crate::stepper::Inputs;
@@ -64,7 +65,7 @@ impl Script {
         let facing = self.facing(time);
         Inputs {
             facing,
-            walk: walk.map(|walk| DVec2::new(walk.heading.sin(), walk.heading.cos()) * walk.speed),
+            walk: walk.map(|walk| DVec2::new(real::sin(walk.heading), real::cos(walk.heading)) * walk.speed),
             crouch: current(&self.crouch, |crouch| (crouch.start, crouch.duration), time)
                 .map_or(self.crouched, |crouch| crouch.amount),
             stand: current(&self.stand, |stand| (stand.start, stand.duration), time)

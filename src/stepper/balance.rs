@@ -5,6 +5,7 @@ use super::foothold::{ankles, middle, middle_after, over_foot};
 use super::support::{Support, Tread};
 use super::{Params, Passing, Physique, State, StepKind, ground};
 use crate::maths::pendulum;
+use crate::maths::real;
 use glam::DVec2;
 
 /// Where the pressure is wanted, inside what carries.
@@ -36,7 +37,7 @@ pub fn pressure(params: &Params, physique: &Physique, state: &State) -> DVec2 {
             return sole.nearest(pivot);
         }
         let stand = ground(stance.ankle) + state.ahead * params.com_forward;
-        aim = stand + (fin - stand) * (-state.omega() * time).exp();
+        aim = stand + (fin - stand) * real::exp(-state.omega() * time);
     }
     let error = xi - aim;
     let far = (error.length() / params.inner).min(1.0);

@@ -4,6 +4,7 @@ use super::foothold::{ankles, middle};
 use super::{Inputs, Params, Physique, State, Step, StepKind, Swing, TickOutput};
 use super::{balance::pressure, decide, footing, ground, legs, roll, stand, swing, turn, walk};
 use crate::maths::pendulum::GRAVITY;
+use crate::maths::real;
 use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
 
@@ -43,7 +44,7 @@ pub fn tick(
     } else {
         let one = stand::pressure(params, physique, state);
         let wanted = one.unwrap_or_else(|| pressure(params, physique, state));
-        state.cop += (wanted - state.cop) * (1.0 - (-dt / params.lag).exp());
+        state.cop += (wanted - state.cop) * (1.0 - real::exp(-dt / params.lag));
     }
     legs::integrate(params, physique, state, inputs, dt);
     state.tick += 1;
@@ -58,7 +59,7 @@ pub fn tick(
 fn perceive(params: &Params, physique: &Physique, state: &mut State, inputs: &Inputs, dt: f64) {
     let force = ground(inputs.force);
     let slow = if force.length_squared() > state.felt.length_squared() { 0.8 * params.tempo } else { params.sense };
-    state.felt += (force - state.felt) * (1.0 - (-dt / slow).exp());
+    state.felt += (force - state.felt) * (1.0 - real::exp(-dt / slow));
     let tipping = inputs.moment.cross(DVec3::Y) / (physique.mass * physique.com_height);
     state.tip += ground(tipping) * (params.tipping * dt);
     if state.felt.length() < 1e-9 * physique.mass {
@@ -69,7 +70,7 @@ fn perceive(params: &Params, physique: &Physique, state: &mut State, inputs: &In
     state.recovering += dt;
     let aim = middle(params, state.ahead, ankles(state));
     let shoved = force.length() > 0.08 * physique.mass * GRAVITY;
-    state.touch += (force - state.touch) * (1.0 - (-dt / (0.5 * params.sense)).exp());
+    state.touch += (force - state.touch) * (1.0 - real::exp(-dt / (0.5 * params.sense)));
     state.pushed = if shoved { state.pushed + dt } else { 0.0 };
     if shoved || (state.xi() - aim).length() > 0.03 * params.size {
         state.alarm += dt;

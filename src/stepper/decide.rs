@@ -10,6 +10,7 @@ use super::support::{Support, Tread};
 use super::{Intent, Params, Passing, Physique, Plant, State, StepKind, Swing, Trigger};
 use super::{control::wrap, footfall, foothold, ground, swing};
 use crate::maths::pendulum;
+use crate::maths::real;
 use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
 
@@ -65,7 +66,7 @@ fn choose(params: &Params, physique: &Physique, state: &State) -> Intent {
         let stance = &state.feet[side.other() as usize];
         let sole = Support::one(params, physique, stance, Tread::Whole, params.margin);
         let shift = sole.outside(state.cop).max(0.0);
-        let wait = wait.max(params.lag * (1.0 + shift / (0.01 * params.size)).ln());
+        let wait = wait.max(params.lag * real::ln(1.0 + shift / (0.01 * params.size)));
         let hold = corrective(params, physique, state, side, passing, (wait + swing_time, swing_time));
         let step = ground(hold.plant.ankle).distance(ground(state.feet[side as usize].ankle));
         let hop = 0.12 * (1.0 - step / (0.2 * params.size)).max(0.0);
@@ -193,7 +194,7 @@ fn followed(params: &Params, physique: &Physique, state: &State, side: Side, tim
     let fin = middle_after(params, state, side);
     let xi = state.xi();
     let pivot = sole.nearest(pendulum::pivot_for(xi, fin, state.omega(), time));
-    let lands = pivot + (xi - pivot) * (state.omega() * time).exp();
+    let lands = pivot + (xi - pivot) * real::exp(state.omega() * time);
     (comfortable, lands - area.nearest(lands))
 }
 

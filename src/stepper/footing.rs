@@ -5,6 +5,7 @@
 
 use super::control::wrap;
 use super::{Params, Physique, Plant, State, ground, support};
+use crate::maths::real;
 use crate::model::scenario::GroundKind;
 use crate::model::terrain::FIRST;
 use crate::model::{Side, Terrain};
@@ -36,7 +37,7 @@ pub fn set_down(terrain: &Terrain, physique: &Physique, ankle: DVec2, yaw: f64, 
 
 /// The nearest place along Z where the sole is on one tread, or on one side of a gap.
 fn held(terrain: &Terrain, physique: &Physique, ankle: DVec2, yaw: f64) -> DVec2 {
-    let (toe, wide) = (yaw.cos(), (yaw.sin() * physique.half_width).abs());
+    let (toe, wide) = (real::cos(yaw), (real::sin(yaw) * physique.half_width).abs());
     let (one, two) = (toe * physique.heel, toe * physique.tip);
     let (rear, front) = (one.min(two) - wide - EDGE, one.max(two) + wide + EDGE);
     let middle = ankle.y + 0.5 * (rear + front);
@@ -154,7 +155,7 @@ fn turned(plant: &Plant, turn: DQuat) -> Plant {
     }
     let toe = support::along(plant);
     let toe = turn * toe;
-    Plant { ankle: turn * plant.ankle, yaw: toe.x.atan2(toe.z), normal: turn * plant.normal }
+    Plant { ankle: turn * plant.ankle, yaw: real::atan2(toe.x, toe.z), normal: turn * plant.normal }
 }
 
 /// Feet that stand on ground that turns go with it, and so does what they hold.

@@ -8,6 +8,7 @@
 
 use super::{Params, Physique, footing, support};
 use crate::maths::pendulum;
+use crate::maths::real;
 use crate::model::Side;
 use glam::DVec2;
 
@@ -67,7 +68,7 @@ pub fn rhythm(
 /// What a linear run of the pressure weighs in ξ's fate: the factors of its two ends, for a run of `time` s that starts
 /// `after` s from now.
 pub fn weights(omega: f64, after: f64, time: f64) -> [f64; 2] {
-    let (one, two) = ((-omega * after).exp(), (-omega * (after + time)).exp());
+    let (one, two) = (real::exp(-omega * after), real::exp(-omega * (after + time)));
     if omega * time < 1e-9 {
         return [0.0, 0.0];
     }
@@ -113,7 +114,7 @@ pub fn pivot(
 ) -> Pivot {
     let [first, second] = weights(omega, 0.0, rhythm.double);
     let [third, fourth] = weights(omega, rhythm.double, rhythm.step - rhythm.double);
-    let decay = (-omega * rhythm.step).exp();
+    let decay = real::exp(-omega * rhythm.step);
     let all = 1.0 - decay;
     let [early, late] = rhythm.roll;
     let toe = support::forward(yaw);
@@ -151,7 +152,7 @@ impl Pivot {
         let wanted = fixed + ankle * self.shares[1] - com;
         let (speed, level) = (velocity.dot(way), wanted.dot(way));
         // the apex speed that the vault over a level step leaves
-        let residual = speed * speed - 2.0 * pendulum::GRAVITY * (height.hypot(level) - height);
+        let residual = speed * speed - 2.0 * pendulum::GRAVITY * (real::hypot(height, level) - height);
         let distance = if residual > 0.0 && level > 0.0 {
             pendulum::step_distance(speed, residual.sqrt(), height, rise)
         } else {

@@ -3,6 +3,7 @@
 
 use super::{Inputs, Params, Phase, Physique, State, StepKind, ground, swing};
 use crate::maths::pendulum::{self, GRAVITY};
+use crate::maths::real;
 use crate::model::Side;
 use glam::{DVec2, DVec3};
 
@@ -22,8 +23,8 @@ pub fn integrate(params: &Params, physique: &Physique, state: &mut State, inputs
         }
         _ => spring,
     };
-    let lift =
-        state.lift + (wanted.clamp(-0.35 * GRAVITY, 1.0 * GRAVITY) - state.lift) * (1.0 - (-dt / params.leg_lag).exp());
+    let lift = state.lift
+        + (wanted.clamp(-0.35 * GRAVITY, 1.0 * GRAVITY) - state.lift) * (1.0 - real::exp(-dt / params.leg_lag));
     let lift = if params.leg_change { lift } else { 0.0 };
     let lift = if lift.abs() < 1e-12 * GRAVITY { 0.0 } else { lift };
     state.lift = lift;
@@ -57,7 +58,7 @@ pub fn integrate(params: &Params, physique: &Physique, state: &mut State, inputs
     let along = if free { state.gait.velocity.normalize_or(state.ahead).dot(state.ahead).powi(4) } else { 0.0 };
     let share = params.slip_arc + (params.walk_arc - params.slip_arc) * along;
     let arc = share * (height - (height * height - off.min(0.5 * height * height)).sqrt());
-    state.arc += (arc - state.arc) * (1.0 - (-dt / (0.06 * params.tempo)).exp());
+    state.arc += (arc - state.arc) * (1.0 - real::exp(-dt / (0.06 * params.tempo)));
 }
 
 /// The height that the legs allow: each spring's rest length makes up for gravity, the longest is the whole leg.

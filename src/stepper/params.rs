@@ -5,6 +5,7 @@
 
 use super::{Physique, SupportModel};
 use crate::maths::pendulum::GRAVITY;
+use crate::maths::real;
 use crate::model::{Side, Stance};
 use glam::DVec2;
 
@@ -45,7 +46,7 @@ pub struct Style {
 impl Style {
     /// Times people's, how long the way back to a comfortable stand takes.
     pub fn unhurried(&self) -> f64 {
-        4_f64.powf(self.recovery_time.clamp(0.0, 1.0) - 0.5)
+        real::powf(4_f64, self.recovery_time.clamp(0.0, 1.0) - 0.5)
     }
 }
 

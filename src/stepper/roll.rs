@@ -5,6 +5,7 @@ use super::gait::{self, Rhythm};
 use super::support::{Support, Tread};
 use super::walk::{Phase, omega, rhythm_now};
 use super::{Params, Physique, State, StepKind, footfall, ground, support, turn};
+use crate::maths::real;
 use crate::model::Side;
 use glam::DVec2;
 
@@ -30,7 +31,7 @@ pub fn pressure(params: &Params, physique: &Physique, state: &mut State, dt: f64
     let left_over = (gait.until - state.time).max(0.0);
     let times = if single { (0.0, left_over) } else { (left_over, rhythm.step - rhythm.double) };
     let wanted = feedback(params, physique, state, &rhythm, now, times);
-    let shift = gait.shift + (wanted - gait.shift) * (1.0 - (-dt / params.lag).exp());
+    let shift = gait.shift + (wanted - gait.shift) * (1.0 - real::exp(-dt / params.lag));
     state.gait.shift = shift;
     let half = along(state.time + 0.5 * dt);
     let roll = gait.from.lerp(end, half);
@@ -64,7 +65,7 @@ fn feedback(
         let (aside, behind) = (off.dot(state.aside()), off.dot(state.ahead) * way.dot(state.ahead).signum());
         error = state.aside() * aside + state.ahead * (behind.min(0.0) * way.dot(state.ahead).signum());
     }
-    error * (params.walk_gain / ((omega * (wait + time).max(0.2 * params.tempo)).exp() - 1.0))
+    error * (params.walk_gain / (real::exp(omega * (wait + time).max(0.2 * params.tempo)) - 1.0))
 }
 
 /// ξ at the touchdown, `time` s from now, of a step as long and as wide as the steady ones.
@@ -103,12 +104,12 @@ fn prepare(params: &Params, physique: &Physique, state: &State, dt: f64) -> DVec
     let single = (rhythm.step - rhythm.double).min(params.brief);
     let landing = steady_xi(params, physique, state, rhythm, gait.side, left_over + single);
     let [one, two] = gait::weights(omega, 0.0, single);
-    let at_lift = landing * (-omega * single).exp() + early * one + late * two;
+    let at_lift = landing * real::exp(-omega * single) + early * one + late * two;
     let hold = left_over - over;
-    let kept = (-omega * hold).exp();
+    let kept = real::exp(-omega * hold);
     let [one, two] = gait::weights(omega, hold, over);
     let xi = state.xi() + footfall::lean(params, physique, state);
-    let pivot = (xi - at_lift * (-omega * left_over).exp() - early * two) / (1.0 - kept + one);
+    let pivot = (xi - at_lift * real::exp(-omega * left_over) - early * two) / (1.0 - kept + one);
     let pivot = state.inset.nearest(pivot);
-    state.cop + (pivot - state.cop) * (1.0 - (-dt / params.lag).exp())
+    state.cop + (pivot - state.cop) * (1.0 - real::exp(-dt / params.lag))
 }

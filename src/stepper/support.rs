@@ -4,6 +4,7 @@
 //! give eight corners and radius 0, two circles give two corners and their radius.
 
 use super::{Params, Physique, Plant};
+use crate::maths::real;
 use glam::{DVec2, DVec3};
 
 /// How the area under a foot is modelled.
@@ -34,17 +35,17 @@ pub struct Support {
 
 /// (x, z) unit vector that the yaw points along.
 pub fn forward(yaw: f64) -> DVec2 {
-    DVec2::new(yaw.sin(), yaw.cos())
+    DVec2::new(real::sin(yaw), real::cos(yaw))
 }
 
 /// (x, z) unit vector to the left of the yaw.
 pub fn left(yaw: f64) -> DVec2 {
-    DVec2::new(yaw.cos(), -yaw.sin())
+    DVec2::new(real::cos(yaw), -real::sin(yaw))
 }
 
 /// Unit vector on the ground under a foot, the way that it points.
 pub fn along(plant: &Plant) -> DVec3 {
-    let level = DVec3::new(plant.yaw.sin(), 0.0, plant.yaw.cos());
+    let level = DVec3::new(real::sin(plant.yaw), 0.0, real::cos(plant.yaw));
     let rise = -(level.dot(plant.normal)) / plant.normal.y.max(0.1);
     (level + DVec3::Y * rise).normalize()
 }
@@ -115,7 +116,7 @@ fn corners_of(
     into: &mut [DVec2],
 ) -> (usize, f64) {
     let ankle = DVec2::new(plant.ankle.x, plant.ankle.z);
-    let (sin, cos) = plant.yaw.sin_cos();
+    let (sin, cos) = real::sin_cos(plant.yaw);
     let (mut ahead, mut side) = (DVec2::new(sin, cos), DVec2::new(cos, -sin));
     if plant.normal != DVec3::Y {
         // as the leaning sole is seen from above

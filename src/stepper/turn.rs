@@ -4,6 +4,7 @@
 use super::control::wrap;
 use super::walk::Phase;
 use super::{Inputs, Params, Physique, State, ground, support};
+use crate::maths::real;
 use crate::model::Side;
 use glam::DVec2;
 
@@ -81,7 +82,7 @@ pub fn rotated(vector: DVec2, angle: f64) -> DVec2 {
     if angle == 0.0 {
         return vector;
     }
-    let (sin, cos) = angle.sin_cos();
+    let (sin, cos) = real::sin_cos(angle);
     DVec2::new(vector.x * cos + vector.y * sin, vector.y * cos - vector.x * sin)
 }
 

@@ -9,6 +9,7 @@ use super::support::{Support, Tread};
 use super::{Inputs, Params, Physique, State, StepKind, Swing, footfall, footing, ground, roll, swing, turn};
 use super::{Passing, balance};
 use crate::maths::pendulum;
+use crate::maths::real;
 use crate::model::{Side, Terrain};
 use glam::DVec2;
 
@@ -105,7 +106,7 @@ pub fn steer(params: &Params, terrain: &Terrain, state: &mut State, inputs: &Inp
     }
     let force = ground(inputs.force).clamp_length_max(0.6 * params.foresee);
     let slow = if force.length_squared() < 0.5 * gait.lasting.length_squared() { 0.15 } else { 0.5 };
-    gait.lasting += (force - gait.lasting) * (1.0 - (-dt / (slow * params.tempo)).exp());
+    gait.lasting += (force - gait.lasting) * (1.0 - real::exp(-dt / (slow * params.tempo)));
 }
 
 /// With both feet down: is the gait in charge? It may lift a foot.

@@ -5,6 +5,7 @@
 //! (Y up the bone, X the hinge). Angles mean the same on every rig after that. Does not look at meshes.
 
 use crate::maths::quat::{limb_frame, shortest_arc};
+use crate::maths::real;
 use crate::model::{Body, Role, Side};
 use glam::{DQuat, DVec3};
 
@@ -69,7 +70,7 @@ impl Anatomy {
         let hips_middle = (rest(index(Role::LeftUpperLeg)) + rest(index(Role::RightUpperLeg))) * 0.5;
         let shoulders_middle = (rest(index(Role::LeftUpperArm)) + rest(index(Role::RightUpperArm))) * 0.5;
         let trunk = (shoulders_middle - hips_middle) * DVec3::new(0.0, 1.0, 1.0);
-        let lean = trunk.z.atan2(trunk.y);
+        let lean = real::atan2(trunk.z, trunk.y);
         // A few degrees either way are how characters are drawn; more is a bind pose that is not a stand.
         let torso_upright =
             if lean.abs() > 6_f64.to_radians() { DQuat::from_rotation_x(-lean) } else { DQuat::IDENTITY };
@@ -129,7 +130,7 @@ impl Leg {
         let shape = &body.feet[side as usize];
         let across = DVec3::new(shape.forward.y, 0.0, -shape.forward.x);
         let bent = thigh.normalize_or_zero().cross(shank.normalize_or_zero());
-        let hinge = if bent.length() > 15_f64.to_radians().sin() && bent.dot(across) > 0.5 * bent.length() {
+        let hinge = if bent.length() > real::sin(15_f64.to_radians()) && bent.dot(across) > 0.5 * bent.length() {
             bent.normalize()
         } else {
             across
@@ -154,12 +155,12 @@ impl Leg {
     /// rad, the knee's bend with the ankle `distance` m from the hip; 0 past the straight leg.
     pub fn bend_at(&self, distance: f64) -> f64 {
         let (a, b) = (self.thigh_length, self.shank_length);
-        ((distance * distance - a * a - b * b) / (2.0 * a * b).max(1e-12)).clamp(-1.0, 1.0).acos()
+        real::acos(((distance * distance - a * a - b * b) / (2.0 * a * b).max(1e-12)).clamp(-1.0, 1.0))
     }
 
     /// m from hip to ankle at a bend of the knee.
     pub fn length_at(&self, bend: f64) -> f64 {
         let (a, b) = (self.thigh_length, self.shank_length);
-        (a * a + b * b + 2.0 * a * b * bend.cos()).max(0.0).sqrt()
+        (a * a + b * b + 2.0 * a * b * real::cos(bend)).max(0.0).sqrt()
     }
 }

@@ -11,6 +11,7 @@ use super::stand::natural_plants;
 use super::stand::{foot_yaw, stand_target};
 use crate::maths::curve::smooth3;
 use crate::maths::quat::{limb_frame, wrap_angle};
+use crate::maths::real;
 use crate::maths::two_bone_ik::two_bone_ik;
 use crate::model::{Body, BodyPose, Side};
 use glam::{DQuat, DVec3};
@@ -129,7 +130,7 @@ impl BasePose {
             let told = smooth3((off.length() - OFF_LINE[0] * size) / ((OFF_LINE[1] - OFF_LINE[0]) * size).max(1e-9));
             let seen = off.try_normalize().unwrap_or(own);
             let way = (own * (1.0 - told) + seen * told).try_normalize().unwrap_or(seen);
-            base.knees[side as usize] = pole.cross(way).dot(axis).atan2(pole.dot(way));
+            base.knees[side as usize] = real::atan2(pole.cross(way).dot(axis), pole.dot(way));
             let stretch = (ankle - hip).length() / leg.length();
             base.straightest[side as usize] = if stretch > STRAIGHT { LOCKED } else { STRAIGHTEST };
             let chain =

@@ -12,6 +12,7 @@ use super::stride::Stride;
 use super::struck::Struck;
 use crate::maths::curve::soft_limit;
 use crate::maths::pendulum::GRAVITY;
+use crate::maths::real;
 use crate::maths::seed::Seed;
 use crate::maths::spring::Spring;
 use crate::model::Side;
@@ -169,7 +170,7 @@ impl Reaction {
     /// One tick of `dt` s; returns the angles at its end. The pushes are told by their moment alone.
     pub fn tick(&mut self, senses: &Senses, dt: f64) -> UpperAngles {
         let moment = senses.push_moment;
-        let (sin, cos) = senses.facing.sin_cos();
+        let (sin, cos) = real::sin_cos(senses.facing);
         let tipping = DVec2::new(-moment.z * cos - moment.x * sin, -moment.z * sin + moment.x * cos);
         self.tick_struck(senses, &Struck { tipping, ..Struck::default() }, dt)
     }
@@ -179,7 +180,7 @@ impl Reaction {
         let scale = (self.physique.com_height / 0.96).sqrt(); // times are for a centre of mass at 0.96 m
         let length = self.physique.com_height / 0.96;
         let local = |world: DVec3| {
-            let (sin, cos) = senses.facing.sin_cos();
+            let (sin, cos) = real::sin_cos(senses.facing);
             DVec2::new(world.x * cos - world.z * sin, world.x * sin + world.z * cos)
         };
         let mass = self.physique.mass;
@@ -261,7 +262,7 @@ impl Reaction {
 
     fn tick_pelvis(&mut self, senses: &Senses, walking: f64, scale: f64, dt: f64) {
         let between = senses.feet[0].ankle - senses.feet[1].ankle;
-        let ahead = between.x * senses.facing.sin() + between.z * senses.facing.cos(); // left foot ahead of the right
+        let ahead = between.x * real::sin(senses.facing) + between.z * real::cos(senses.facing); // left foot ahead of the right
         // More so than at rest.
         let ahead = ahead - self.physique.stance.map_or(0.0, |stance| stance.apart.y);
         // In a stand the pelvis turns to where the feet stand; in a walk `stride` turns it.
@@ -294,7 +295,7 @@ impl Reaction {
         // Nobody is alarmed by his own starting and stopping.
         let willed = walking.max(f64::from(u8::from(senses.on_one)));
         self.walked = willed.max(self.walked - dt / (2.0 * scale));
-        self.shoved = self.shoved * (-dt / (1.5 * scale)).exp() + senses.push.length() / self.physique.mass * dt;
+        self.shoved = self.shoved * real::exp(-dt / (1.5 * scale)) + senses.push.length() / self.physique.mass * dt;
         let pace = (GRAVITY * self.physique.com_height).sqrt();
         let raw = raw * (self.shoved / (0.05 * pace)).min(1.0).max(1.0 - self.walked) * (1.0 - senses.safe);
         self.alarm_line.push(raw);
@@ -302,10 +303,10 @@ impl Reaction {
         let heard =
             if self.alarm_line.len() > delay { self.alarm_line[self.alarm_line.len() - 1 - delay] } else { 0.0 };
         let time = if heard > self.alarm { RISES } else { 0.40 * self.unhurried } * scale;
-        self.alarm += (heard - self.alarm) * (1.0 - (-dt / time).exp());
+        self.alarm += (heard - self.alarm) * (1.0 - real::exp(-dt / time));
         if raw > 0.0 {
             let towards = off.normalize_or_zero();
-            self.fall += (towards - self.fall) * (1.0 - (-dt / (0.10 * scale)).exp());
+            self.fall += (towards - self.fall) * (1.0 - real::exp(-dt / (0.10 * scale)));
         }
     }
 

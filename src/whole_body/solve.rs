@@ -8,6 +8,7 @@ use super::anatomy::Anatomy;
 use super::overlay::{BasePose, Neutral};
 use crate::maths::curve::smooth3;
 use crate::maths::quat::{limb_frame, yaw_of};
+use crate::maths::real;
 use crate::maths::two_bone_ik::two_bone_ik;
 use crate::model::{Body, BodyPose, Side};
 use glam::{DQuat, DVec3};
@@ -361,10 +362,10 @@ impl<'a> Solver<'a> {
 /// Where a knee points. Along a leg that reaches straight back (or forwards and up) "forwards" says nothing, and past there
 /// it would say the opposite: there the knee stays square to the body's own left instead.
 pub(super) fn knee_pole(leg: DVec3, yaw: f64) -> DVec3 {
-    let forwards = DVec3::new(yaw.sin(), 0.25, yaw.cos()).normalize();
+    let forwards = DVec3::new(real::sin(yaw), 0.25, real::cos(yaw)).normalize();
     let axis = leg.normalize_or(DVec3::NEG_Y);
     let along = smooth3((axis.dot(forwards).abs() - 0.8) / 0.15);
-    let square = axis.cross(DVec3::new(yaw.cos(), 0.0, -yaw.sin())).normalize_or(forwards);
+    let square = axis.cross(DVec3::new(real::cos(yaw), 0.0, -real::sin(yaw))).normalize_or(forwards);
     (forwards - axis * axis.dot(forwards)).normalize_or(square).lerp(square, along)
 }
 
@@ -378,5 +379,5 @@ pub fn soft_reach(hip: DVec3, ankle: DVec3, leg: f64, soft: f64) -> DVec3 {
     if distance <= from || room < 1e-9 {
         return ankle;
     }
-    hip + to * ((from + room * (1.0 - (-(distance - from) / room).exp())) / distance)
+    hip + to * ((from + room * (1.0 - real::exp(-(distance - from) / room))) / distance)
 }

@@ -6,6 +6,7 @@
 use super::anatomy::Anatomy;
 use super::solve::{ArmAngles, FootTarget, Hold, PoseTarget, Solved, Solver};
 use crate::maths::quat::yaw_of;
+use crate::maths::real;
 use crate::model::{Body, Side};
 use crate::model::{Physique, Plant};
 use glam::{DQuat, DVec3};
@@ -59,7 +60,7 @@ pub(super) fn widening(lengths: [f64; 2], shoulder: f64, flank: f64) -> f64 {
 /// A foot flat on the ground (y = `plant.ankle.y`) at a plant.
 pub fn flat_foot(body: &Body, side: Side, plant: &Plant) -> FootTarget {
     let shape = &body.feet[side as usize];
-    let rest_yaw = shape.forward.x.atan2(shape.forward.y);
+    let rest_yaw = real::atan2(shape.forward.x, shape.forward.y);
     let turn = DQuat::from_rotation_y(plant.yaw - rest_yaw);
     FootTarget {
         ankle: plant.ankle + DVec3::Y * shape.ankle_height,
@@ -155,7 +156,7 @@ pub fn natural_plants(stance_width: f64, com_forward: f64) -> [Plant; 2] {
 /// Heading of a foot turned by `turn` from rest, rad.
 pub fn foot_yaw(body: &Body, side: Side, turn: DQuat) -> f64 {
     let shape = &body.feet[side as usize];
-    yaw_of(turn * shape.level.inverse() * DQuat::from_rotation_y(shape.forward.x.atan2(shape.forward.y)))
+    yaw_of(turn * shape.level.inverse() * DQuat::from_rotation_y(real::atan2(shape.forward.x, shape.forward.y)))
 }
 
 #[cfg(test)]
@@ -165,7 +166,7 @@ mod tests {
     #[test]
     fn arms_hang_wider_only_where_something_wide_is_beside_them_and_can_be_cleared() {
         let lengths = [0.30, 0.25];
-        let hangs = 0.18 + 0.55 * relaxed_arms().abduct.sin();
+        let hangs = 0.18 + 0.55 * real::sin(relaxed_arms().abduct);
         assert_eq!(widening(lengths, 0.18, 0.0), 0.0, "no mesh");
         assert_eq!(widening(lengths, 0.18, hangs - 0.03), 0.0, "narrow hips");
         assert_eq!(widening(lengths, 0.18, 1.5), 0.0, "a hoop skirt that no hanging arm clears");

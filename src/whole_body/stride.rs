@@ -6,6 +6,7 @@
 
 use super::reaction::Senses;
 use crate::maths::curve::soft_limit;
+use crate::maths::real;
 use crate::maths::spring::Spring;
 use crate::model::{Physique, Side};
 use glam::{DVec2, DVec3};
@@ -61,11 +62,11 @@ impl Stride {
         let wanted = senses.wanted.length() / pace;
         let to = (wanted / WALKING).min(1.0);
         if self.fresh {
-            self.share += (to - self.share) * (1.0 - (-dt / (0.35 * scale)).exp());
+            self.share += (to - self.share) * (1.0 - real::exp(-dt / (0.35 * scale)));
         } else {
             (self.share, self.fresh) = (to, true);
         }
-        let ahead = DVec2::new(senses.facing.sin(), senses.facing.cos());
+        let ahead = DVec2::new(real::sin(senses.facing), real::cos(senses.facing));
         let between = senses.feet[0].ankle - senses.feet[1].ankle;
         let reach = between.x * ahead.x + between.z * ahead.y; // left foot ahead of the right
         let reach = soft_limit(reach / physique.leg_length, 1.2) * self.share;
@@ -98,12 +99,12 @@ fn grade(senses: &Senses, physique: &Physique, ahead: DVec2) -> Option<f64> {
     let between = senses.feet[0].ankle - senses.feet[1].ankle;
     let apart = along(between);
     if senses.planted == [true; 2] && apart.abs() > 0.2 * physique.leg_length {
-        return Some((between.y / apart).atan());
+        return Some(real::atan(between.y / apart));
     }
     let leaning = Side::BOTH.into_iter().filter(|side| senses.planted[*side as usize]);
     let normals: DVec3 = leaning.map(|side| senses.feet[side as usize].normal).sum();
     let leans = along(normals).abs() > 1e-9;
-    leans.then(|| (-along(normals)).atan2(normals.y))
+    leans.then(|| real::atan2(-along(normals), normals.y))
 }
 
 #[cfg(test)]
@@ -159,8 +160,8 @@ mod tests {
             let angle = degrees.to_radians();
             let mut senses = senses(0.6, speed);
             for foot in &mut senses.feet {
-                foot.ankle.y = foot.ankle.z * angle.tan();
-                foot.normal = DVec3::new(0.0, angle.cos(), -angle.sin());
+                foot.ankle.y = foot.ankle.z * real::tan(angle);
+                foot.normal = DVec3::new(0.0, real::cos(angle), -real::sin(angle));
             }
             let mut stride = Stride::default();
             (0..400).map(|_| stride.tick(&senses, &Physique::REFERENCE, 0.01).lean).fold(0.0, |_, lean| lean)

@@ -8,6 +8,7 @@ use super::anatomy::Anatomy;
 use super::solve::Solver;
 use super::stand::natural_stand;
 use crate::maths::curve::smooth3;
+use crate::maths::real;
 use crate::measure::{KnownPush, PushPoint};
 use crate::model::{Body, Physique, Role, Side};
 use glam::{DVec2, DVec3};
@@ -132,7 +133,7 @@ impl Blow {
 
 /// What acts during the tick of `dt` s that ends at `time` (s) on a body that faces `facing` (rad).
 pub fn struck(blows: &[Blow], facing: f64, time: f64, dt: f64) -> Struck {
-    let (sin, cos) = facing.sin_cos();
+    let (sin, cos) = real::sin_cos(facing);
     let mut sum = Struck::default();
     for blow in blows {
         let share = ((blow.end.min(time) - blow.start.max(time - dt)) / dt).clamp(0.0, 1.0);

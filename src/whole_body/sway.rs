@@ -7,6 +7,7 @@
 
 use super::reaction::{UPPER, UpperAngles};
 use crate::maths::curve::smooth3;
+use crate::maths::real;
 use crate::maths::seed::Seed;
 use std::f64::consts::TAU;
 
@@ -57,9 +58,9 @@ impl Sway {
         let time = time / self.scale;
         let phase = self.breath[0] * time + self.breath[1];
         // In is quicker than out.
-        let full = (TAU * phase + 0.35 * (TAU * phase).sin()).sin();
+        let full = real::sin(TAU * phase + 0.35 * real::sin(TAU * phase));
         for ((entry, size, sideways), waves) in WANDERS.iter().zip(&self.waves) {
-            let wave: f64 = waves.iter().map(|[hz, start]| (TAU * (hz * time + start)).sin()).sum();
+            let wave: f64 = waves.iter().map(|[hz, start]| real::sin(TAU * (hz * time + start))).sum();
             angles[*entry] = share * size * wave / 1.7 * if *sideways { self.side } else { 1.0 };
         }
         angles[1] -= share * CHEST * full;

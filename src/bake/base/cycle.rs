@@ -10,6 +10,7 @@ use super::{Base, BaseFrame};
 use crate::audit::contacts::footfalls;
 use crate::audit::track::Track;
 use crate::maths::curve::smooth3;
+use crate::maths::real;
 use crate::model::{Body, BodyPose, Side};
 use crate::whole_body::Anatomy;
 use glam::{DQuat, DVec2, DVec3};
@@ -69,7 +70,7 @@ pub(super) fn travelled(base: &Base, body: &Body, evened: f64, contacts: Option<
     let evened = |at: usize| {
         let (mut sum, mut total) = (DVec3::ZERO, 0.0);
         for off in -reach..=reach {
-            let weight = (-0.5 * (off as f64 / sigma).powi(2)).exp();
+            let weight = real::exp(-0.5 * (off as f64 / sigma).powi(2));
             let index = at as isize + off;
             let last = steps.len() as isize;
             let index = if base.loops { index.rem_euclid(last) } else { index.clamp(0, last - 1) };

@@ -1,5 +1,6 @@
 //! How far a clip's pose is from the base's, horizontal place and heading apart. Degrees and millimetres.
 
+use crate::maths::real;
 use crate::model::{Body, BodyPose};
 use glam::{DQuat, DVec2, DVec3};
 
@@ -17,7 +18,7 @@ pub fn error(body: &Body, pose: &BodyPose, base: &BodyPose) -> (f64, f64) {
         // From (x, z) of the base to the clip's: about +Y, z towards x.
         cross += want.y * have.x - want.x * have.y;
     }
-    let turn = DQuat::from_rotation_y(cross.atan2(dot));
+    let turn = DQuat::from_rotation_y(real::atan2(cross, dot));
     let angle = (0..body.joints.len())
         .filter(|joint| body.joints[*joint].animated)
         .map(|joint| (turn * base.turns[joint]).angle_between(pose.turns[joint]).to_degrees())

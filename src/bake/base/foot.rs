@@ -3,6 +3,7 @@
 //! The difference is held at the ball (the toe joint, or the tip where there is none): a foot that rolls over its ball before it
 //! lifts rolls over the clip's.
 
+use crate::maths::real;
 use crate::model::{Body, Plant, Side};
 use crate::whole_body::FootTarget;
 use crate::whole_body::stand::{flat_foot, foot_yaw};
@@ -87,6 +88,6 @@ impl FootOffset {
         let ahead = level * self.foot * level.inverse();
         let shape = &body.feet[side as usize];
         let forward = DVec3::new(shape.forward.x, 0.0, shape.forward.y);
-        -(ahead * forward).y.clamp(-1.0, 1.0).asin()
+        -real::asin((ahead * forward).y.clamp(-1.0, 1.0))
     }
 }

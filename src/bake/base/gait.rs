@@ -11,6 +11,7 @@ use super::{Base, BaseError, BaseFrame};
 use crate::audit::track::Track;
 use crate::bake::contacts::FootContact;
 use crate::maths::quat::yaw_of;
+use crate::maths::real;
 use crate::measure::GRAVITY;
 use crate::model::report::Part;
 use crate::model::{Body, Plant, Role, Side};
@@ -137,7 +138,7 @@ impl Gait {
         if upright < UPRIGHT {
             return Err(unfit(format!(
                 "lies ({:.0} degrees off upright)",
-                upright.clamp(-1.0, 1.0).acos().to_degrees()
+                real::acos(upright.clamp(-1.0, 1.0)).to_degrees()
             )));
         }
         bridge(&mut contacts, unrolled.len());

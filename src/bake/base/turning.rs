@@ -8,6 +8,7 @@
 use super::BaseFrame;
 use super::bearing::{Bears, lowest};
 use super::foot::to_ball;
+use crate::maths::real;
 use crate::model::{Body, Side};
 use glam::{DVec2, DVec3};
 
@@ -44,7 +45,7 @@ fn ahead(feet: &[[[DVec3; 2]; 2]], heights: &[[f64; 2]]) -> Option<DVec2> {
         xz += off.x * off.y;
         zz += off.y * off.y;
     }
-    let axis = DVec2::from_angle(0.5 * (2.0 * xz).atan2(xx - zz));
+    let axis = DVec2::from_angle(0.5 * real::atan2(2.0 * xz, xx - zz));
     let level = heights.iter().map(|heights| heights[0] + heights[1]).sum::<f64>() / (2.0 * count);
     let mut sign = 0.0;
     for (pair, heights) in feet.windows(2).zip(heights.windows(2)) {
@@ -156,7 +157,7 @@ mod tests {
     #[test]
     fn a_foot_bears_from_its_foremost_to_its_rearmost_place_and_at_the_clips_ends_on_the_way() {
         // Foremost at 0, 40, 80; rearmost at 20, 60, 100.
-        let place = |frame: usize| 0.3 * (frame as f64 * std::f64::consts::PI / 20.0).cos();
+        let place = |frame: usize| 0.3 * real::cos(frame as f64 * std::f64::consts::PI / 20.0);
         let all: Vec<f64> = (0..=110).map(place).collect();
         assert_eq!(falls(&all, 0.1), vec![(0, 20), (40, 60), (80, 100)]);
         let inside: Vec<f64> = (50..=93).map(place).collect();

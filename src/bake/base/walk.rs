@@ -7,6 +7,7 @@ use super::gait::{Fall, Gait, blended};
 use super::{Base, BaseError, BaseFrame, FootOffset};
 use crate::bake::contacts::FootContact;
 use crate::maths::curve::smooth3;
+use crate::maths::real;
 use crate::measure::KnownPush;
 use crate::model::report::Part;
 use crate::model::scenario::Walk;
@@ -103,7 +104,7 @@ impl Walked {
             start: 0.0,
             duration: None,
             speed: velocity.length(),
-            heading: velocity.x.atan2(velocity.y),
+            heading: real::atan2(velocity.x, velocity.y),
             facing: Some(self.gait.facing),
         }
     }
@@ -418,7 +419,7 @@ impl Walked {
                     return clip(time);
                 }
                 let since = time - from;
-                let gone = (-LETS_GO * since).exp();
+                let gone = real::exp(-LETS_GO * since);
                 let own = *com + (off + (speed + off * LETS_GO) * since) * gone;
                 match self.back {
                     Some(back) => {

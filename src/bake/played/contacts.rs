@@ -6,6 +6,7 @@
 use super::Run;
 use super::hold::{Held, Hold, point_of};
 use super::leg::Foot;
+use crate::maths::real;
 use crate::measure::{GRAVITY, Scuff};
 use crate::model::{BodyPose, Plant, Side, report::Part};
 use crate::sim::PRESSED;
@@ -313,7 +314,7 @@ impl<'a> Track<'a> {
         let shape = &body.feet[self.side as usize];
         let middle = (from + to) / 2;
         let heading = if part == Part::Flat { centre[3] } else { self.ahead(middle) };
-        let yaw = heading.x.atan2(heading.z);
+        let yaw = real::atan2(heading.x, heading.z);
         let point = centre[0];
         let spot = self.run.terrain.spot(DVec2::new(point.x, point.z));
         let mean = centre[2].normalize_or(spot.normal);
@@ -321,7 +322,7 @@ impl<'a> Track<'a> {
         let lies = part != Part::Flat || (from..=to).all(|index| self.up(index).angle_between(spot.normal) < TURN);
         let normal = if lies { spot.normal } else { mean };
         let tilt = if normal == DVec3::Y { DQuat::IDENTITY } else { DQuat::from_rotation_arc(DVec3::Y, normal) };
-        let turned = tilt * DQuat::from_rotation_y(yaw - shape.forward.x.atan2(shape.forward.y));
+        let turned = tilt * DQuat::from_rotation_y(yaw - real::atan2(shape.forward.x, shape.forward.y));
         let (foot, toe) = (turned * shape.level, turned * shape.toe_level);
         let mut ankle = match part {
             Part::Flat => point,

@@ -287,6 +287,7 @@ fn bound(body: &Body, mut pose: BodyPose) -> BodyPose {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::maths::real;
     use crate::measure::fixture;
     use crate::model::{Role, report::Part};
 
@@ -312,7 +313,7 @@ mod tests {
                 let now = leg::Foot::of(body, &pose, &positions, Side::Left);
                 let foot = DQuat::from_rotation_x(pitch) * now.foot;
                 // Half a millimetre of tremble on top.
-                let tremble = DVec3::new(0.0005 * (37.0 * time).sin(), 0.0, slides * (2.0 * time).min(1.0));
+                let tremble = DVec3::new(0.0005 * real::sin(37.0 * time), 0.0, slides * (2.0 * time).min(1.0));
                 let ankle = ball - DQuat::from_rotation_x(pitch) * (ball - now.ankle) + tremble;
                 leg::reach(body, anatomy, &mut pose, &positions, Side::Left, &leg::Foot { ankle, foot, toe: now.toe });
                 pose

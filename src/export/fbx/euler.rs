@@ -3,6 +3,7 @@
 //! A rotation is said by many triples. Each frame takes the one that is nearest to the frame before, so that curves have no jumps of
 //! 180 or 360 degrees.
 
+use crate::maths::real;
 use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::{PI, TAU};
 
@@ -14,15 +15,15 @@ pub fn nearest(rotation: DQuat, before: DVec3) -> DVec3 {
     let before = before.map(f64::to_radians);
     let matrix = DMat3::from_quat(rotation.normalize());
     let (x, y, z) = (matrix.x_axis, matrix.y_axis, matrix.z_axis);
-    let across = x.x.hypot(x.y);
-    let middle = f64::atan2(-x.z, across);
+    let across = real::hypot(x.x, x.y);
+    let middle = real::atan2(-x.z, across);
     let first = if across > LOCKED {
-        DVec3::new(y.z.atan2(z.z), middle, x.y.atan2(x.x))
+        DVec3::new(real::atan2(y.z, z.z), middle, real::atan2(x.y, x.x))
     } else {
         // Only the sum or the difference of the outer angles shows: the first stays.
-        let (sine, cosine) = before.x.sin_cos();
+        let (sine, cosine) = real::sin_cos(before.x);
         let y = y * cosine - z * sine; // with the first angle taken off: (-sin, cos, 0) of the last
-        DVec3::new(before.x, middle, (-y.x).atan2(y.y))
+        DVec3::new(before.x, middle, real::atan2(-y.x, y.y))
     };
     let second = DVec3::new(first.x + PI, PI - first.y, first.z + PI);
     let [first, second] = [first, second].map(|angles| {
