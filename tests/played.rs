@@ -221,7 +221,7 @@ fn stands_ungated(rig: &Rig, scenario: &Scenario) -> bool {
 #[test]
 fn no_clip_that_stands_is_in_the_air_held_by_nothing_or_has_its_legs_in_each_other() {
     for (name, rig) in rigs() {
-        let hard = shoves(&rig, 12, [90.0, 220.0], 77);
+        let hard = shoves(&rig, 24, [90.0, 300.0], 77);
         let judged: Vec<(Baked, bool)> =
             hard.par_iter().map(|scenario| (play(&rig, scenario), stands_ungated(&rig, scenario))).collect();
         let [mut stands, mut told] = [0; 2];
