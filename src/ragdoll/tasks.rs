@@ -15,9 +15,6 @@ use glam::{DQuat, DVec2, DVec3};
 /// Share of a leg's length by which it is shortened on ground that leans by a right angle.
 const STEEP: f64 = 0.6;
 
-/// m, the most by which a swinging foot is carried higher because its tip hangs: more, and it is late where it is needed (3 points of
-/// recoveries a bin at 0.12).
-const HANGS: f64 = 0.04;
 /// s after the last step against a fall, and rad/s, of legs of 0.83 m: when and how fast one turns back to where one faced. People turn
 /// on the spot by a right angle in about a second.
 const TURNS_BACK: [f64; 2] = [0.25, 1.5];
@@ -99,12 +96,7 @@ impl Controller {
         let tuning = &self.tuning;
         match self.swing {
             Some(swing) if swing.side == side => {
-                // A foot whose tip hangs is carried as much higher: what is lifted and set down is its lowest point.
-                let normal = terrain.spot(flat(state.origin)).normal;
-                let under = figure.sole_at(&self.states, side).map(|at| (state.origin - at).dot(normal));
-                let hangs = under.into_iter().fold(0.0, f64::max) - figure.ankle_height;
-                let hangs = hangs.clamp(0.0, HANGS * self.size);
-                let goal = swing.reference.at + DVec3::Y * (figure.ankle_height + hangs);
+                let goal = swing.reference.at + DVec3::Y * figure.ankle_height;
                 // Never so far that the knee would be straight: there a leg cannot be steered.
                 let [hip, knee, ankle] = figure.legs[side as usize];
                 let length = figure.links[knee].anchor.length() + figure.links[ankle].anchor.length();
