@@ -215,7 +215,7 @@ impl Controller {
         } else if self.quiet > 0.15 * tempo {
             let off = |side: Side| {
                 let turned = wrap_angle(self.foot(figure, side).1 - self.heading).abs();
-                feet[side as usize].distance(beside(side)) / self.size + 0.45 * turned
+                feet[side as usize].distance(beside(side)) / self.size + 0.3 * turned
             };
             let (left, right) = (off(Side::Left), off(Side::Right));
             if left.max(right) > 0.09 {

@@ -6,6 +6,7 @@ use super::figure::{Figure, Freedom, Part};
 use super::forces::Corner;
 use super::ranges::leaning;
 use super::sole::POINTS;
+use super::swing::{self, LANDS};
 use super::{flat, short};
 use crate::maths::curve::smooth3;
 use crate::maths::quat::{wrap_angle, yaw_of};
@@ -15,9 +16,9 @@ use glam::{DQuat, DVec2, DVec3};
 
 /// Share of a leg's length by which it is shortened on ground that leans by a right angle.
 const STEEP: f64 = 0.6;
-/// m, the most by which a swinging foot is carried higher because its tip hangs: more, and it is late where it is needed (3 points of
-/// recoveries a bin at 0.12).
-const HANGS: f64 = 0.04;
+/// m at legs of 0.83 m, at most so much higher goes a swinging foot whose ankle does not let its sole lie level: an edge of it would catch
+/// on the ground. Twice as much loses recoveries of bodies with large feet.
+const CLEARS: f64 = 0.015;
 /// s after the last step against a fall, and rad/s, of legs of 0.83 m: when and how fast one turns back to where one faced. People turn
 /// on the spot by a right angle in about a second.
 const TURNS_BACK: [f64; 2] = [0.25, 1.5];
@@ -99,21 +100,23 @@ impl Controller {
         let tuning = &self.tuning;
         match self.swing {
             Some(swing) if swing.side == side => {
-                // A foot whose tip hangs is carried as much higher: what is lifted and set down is its lowest point.
-                let normal = terrain.spot(flat(state.origin)).normal;
-                let under = figure.sole_at(&self.states, side).map(|at| (state.origin - at).dot(normal));
-                let hangs = under.into_iter().fold(0.0, f64::max) - figure.ankle_height;
-                let hangs = hangs.clamp(0.0, HANGS * self.size);
-                let goal = swing.reference.at + DVec3::Y * (figure.ankle_height + hangs);
+                let spot = terrain.spot(flat(swing.reference.at));
+                let level = DQuat::from_rotation_arc(DVec3::Y, spot.normal) * DQuat::from_rotation_y(swing.yaw);
+                let (level, spin, _) = self.heeds(figure, side, level, tuning.margin[1] - leaning(terrain));
+                // What is lowest of the sole clears the ground as it would if it lay level.
+                let lowest = figure.soles[side as usize]
+                    .iter()
+                    .map(|corner| (level * *corner).dot(spot.normal))
+                    .fold(0.0, f64::min);
+                let under = (-lowest - figure.ankle_height).clamp(0.0, CLEARS * self.size);
+                let [aloft, ..] = swing::lift((self.time - swing.start) / (LANDS * swing.time));
+                let goal = swing.reference.at + DVec3::Y * (figure.ankle_height + under * aloft);
                 // Never so far that the knee would be straight: there a leg cannot be steered.
                 let [hip, knee, ankle] = figure.legs[side as usize];
                 let length = figure.links[knee].anchor.length() + figure.links[ankle].anchor.length();
                 let hip = self.states[hip].origin;
                 let goal = hip + (goal - hip).clamp_length_max(tuning.stretch * length);
                 let velocity = self.motion.origin_velocity(foot);
-                let spot = terrain.spot(flat(goal));
-                let level = DQuat::from_rotation_arc(DVec3::Y, spot.normal) * DQuat::from_rotation_y(swing.yaw);
-                let (level, spin, _) = self.heeds(figure, side, level, tuning.margin[1] - leaning(terrain));
                 let error = short(level * state.turn.inverse());
                 Acceleration {
                     linear: (swing.reference.acceleration
