@@ -6,7 +6,6 @@
 
 use crate::common::builtin;
 use glam::DVec3;
-use surefoot::maths::quat::{wrap_angle, yaw_of};
 use surefoot::maths::seed::Seed;
 use surefoot::measure::{KnownPush, PushPoint};
 use surefoot::model::{Body, BodyPose, Physique, Role, Terrain};
@@ -72,21 +71,21 @@ fn recovers_on_its_own_from_300_newtons_from_sixteen_directions() {
 }
 
 #[test]
-fn who_was_turned_by_a_shove_faces_again_where_he_faced() {
+fn who_has_caught_a_hard_shove_comes_to_rest_and_does_not_fall_after_all() {
     let body = builtin().body;
-    let facing = |pose: &BodyPose| wrap_angle(yaw_of(pose.turns[0])).abs();
-    let mut turned = 0;
-    for index in 0..8 {
-        let degrees = f64::from(index) * 45.0 + 20.0;
-        let run = run(&body, &[shove(&body, 450.0, 0.2, degrees)], 6.0, FREE);
-        assert!(run.trace.lost.is_none(), "falls towards {degrees} degrees");
-        let most = run.poses.iter().map(facing).fold(0.0, f64::max).to_degrees();
-        let last = facing(&run.poses[run.poses.len() - 1]).to_degrees();
-        println!("towards {degrees}: turned by {most:.0} degrees, {last:.1} at the end");
-        turned += usize::from(most > 20.0);
-        assert!(last < 8.0, "towards {degrees} degrees it ends turned by {last:.1} of {most:.0} degrees");
+    let mut stand = 0;
+    for push in drawn(&body, 41_000, 24, [150.0, 220.0]) {
+        let run = run(&body, &[push], 9.0, FREE);
+        let fell = run.trace.lost.unwrap_or(f64::INFINITY);
+        if fell < 4.5 {
+            continue;
+        }
+        stand += 1;
+        let towards = push.force.x.atan2(push.force.z).to_degrees();
+        assert!(fell.is_infinite(), "towards {towards:.0} degrees it falls at {fell:.2} s");
+        assert!(run.trace.rest >= 0.5, "towards {towards:.0} degrees it steps on and on");
     }
-    assert!(turned >= 2, "shoves that turn nobody prove nothing");
+    assert!(stand >= 12, "{stand} of 24 stand: nothing proved");
 }
 
 #[test]
@@ -102,11 +101,12 @@ fn raised_arms_come_down_soon_after_the_last_step_against_a_fall() {
             let now = hangs(pose);
             f64::max(now[0].angle_between(still[0]), now[1].angle_between(still[1])).to_degrees()
         };
+        // An unhurried step may follow at once.
         let caught = run.trace.steps.iter().filter(|step| step.kind == StepKind::Corrective).map(|step| step.land);
         let caught = caught.fold(0.7, f64::max);
         let most = run.poses.iter().map(raised).fold(0.0, f64::max);
-        let later = run.poses[((caught + 1.3) / run.trace.dt) as usize..].iter().map(raised).fold(0.0, f64::max);
-        println!("towards {degrees}: {most:.0} degrees, {later:.0} from {:.2} s on", caught + 1.3);
+        let later = run.poses[((caught + 1.5) / run.trace.dt) as usize..].iter().map(raised).fold(0.0, f64::max);
+        println!("towards {degrees}: {most:.0} degrees, {later:.0} from {:.2} s on", caught + 1.5);
         assert!(most > 25.0 && later < 12.0, "towards {degrees}: {later:.0} of {most:.0} degrees");
     }
 }
@@ -172,7 +172,7 @@ fn a_run_is_the_same_to_the_last_bit() {
     }
 }
 
-const PINNED: u64 = 0x40e7_4ee0_88fb_be7a;
+const PINNED: u64 = 0x6b08_d59f_9ca5_d258;
 
 /// Seeded pushes on the chest, from and to so many N s.
 fn drawn(body: &Body, first: u64, count: usize, impulse: [f64; 2]) -> Vec<KnownPush> {

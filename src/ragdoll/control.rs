@@ -95,7 +95,6 @@ pub struct Controller {
     pub(super) stand_height: f64,
     pub(super) pelvis_height: f64,
     pub(super) heading: f64,
-    pub(super) home: f64, // rad, where it faced before it was pushed about
     pub(super) last: Option<Side>,
     pub(super) push: DVec3,
     pub(super) before: Option<(DVec3, DVec3)>, // velocity and commanded force a tick ago
@@ -155,7 +154,6 @@ impl Controller {
             gait: Gait::default(),
             aimed: states[0].origin.y,
             heading: yaw_of(states[0].turn),
-            home: yaw_of(states[0].turn),
             last: None,
             push: DVec3::ZERO,
             before: None,
@@ -301,7 +299,7 @@ impl Controller {
         let (goal, cop) = self.pressure(figure, xi);
         let linear = self.carried(figure, terrain, cop, height, floor, dt);
         // Pelvis and trunk upright, towards the heading.
-        self.face(figure, dt);
+        self.face();
         let facing = DQuat::from_rotation_y(self.heading);
         let turn = |link: usize, wanted: DQuat, gains: [f64; 2], most: f64| {
             let error = short(wanted * self.states[link].turn.inverse());
@@ -333,7 +331,7 @@ impl Controller {
             &wanted,
             tuning.ridge,
         );
-        let (help_torque, help_force) = self.help(&base, &bias, &wrench, &wanted, goal, cop, up / height);
+        let (help_torque, help_force) = self.help(&base, &bias, &wrench, &wanted, goal, cop, GRAVITY / height);
         let root = pelvis(&base, &bias, &wrench, [help_force, help_torque]);
         self.spread(figure, &legs, &feet, &root, trunk);
         self.press(figure, &forces, &corners);

@@ -19,11 +19,6 @@ const STEEP: f64 = 0.6;
 /// m at legs of 0.83 m, at most so much higher goes a swinging foot whose ankle does not let its sole lie level: an edge of it would catch
 /// on the ground. Twice as much loses recoveries of bodies with large feet.
 const CLEARS: f64 = 0.015;
-/// s after the last step against a fall, and rad/s, of legs of 0.83 m: when and how fast one turns back to where one faced. People turn
-/// on the spot by a right angle in about a second.
-const TURNS_BACK: [f64; 2] = [0.25, 1.5];
-/// rad, by which a pelvis turns away from a foot that stands: hips twist by 0.6 to 0.8.
-const TWIST: f64 = 0.5;
 
 impl Controller {
     /// The middle of what bears, (x, z).
@@ -35,21 +30,10 @@ impl Controller {
         }
     }
 
-    /// Where it is to face: whoever fights a fall lets himself be turned; whoever is over it turns back, no further than his feet allow.
-    pub(super) fn face(&mut self, figure: &Figure, dt: f64) {
-        if self.gait.walks() {
-            self.home = self.heading;
-            return;
-        }
-        let tempo = self.tempo();
-        if self.swing.is_some_and(|swing| !swing.comfort) {
+    /// Where it is to face: whoever steps lets himself be turned.
+    pub(super) fn face(&mut self) {
+        if self.swing.is_some() && !self.gait.walks() {
             self.heading += 0.03 * wrap_angle(yaw_of(self.states[0].turn) - self.heading);
-        } else if self.at_ease() > TURNS_BACK[0] * tempo {
-            let [left, right] = Side::BOTH.map(|side| wrap_angle(self.foot(figure, side).1 - self.heading));
-            let (low, high) = (left.min(right), left.max(right));
-            let way = wrap_angle(self.home - self.heading).clamp((high - TWIST).min(0.0), (low + TWIST).max(0.0));
-            let most = TURNS_BACK[1] / tempo * dt;
-            self.heading += way.clamp(-most, most);
         }
     }
 

@@ -154,7 +154,7 @@ impl Default for Tuning {
             apart: false,
             foot_most: [80.0, 86.0],
             rise: 0.25,
-            hold: 8.0,
+            hold: 0.0,
             reach: [0.974, 0.945],
             snap: 0.8,
             level: 800.0,
