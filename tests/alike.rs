@@ -23,9 +23,9 @@ use surefoot::rig::{Rig, load, load_bytes};
 
 /// s: half as much again as what Blender drops at 24 frames a second.
 const APART: f32 = 0.6e-3;
-/// m: what moves in a millisecond by so much more or less than in the one before jumps: 500 m/s², several times what the foot of somebody
+/// m: what moves in a millisecond by so much more or less than in the one before jumps: 800 m/s², several times what the foot of somebody
 /// does who stamps. Where a foot touches down, poses may.
-const JUMP: f64 = 0.5e-3;
+const JUMP: f64 = 0.8e-3;
 
 fn walk(seconds: f64) -> Scenario {
     Scenario {
