@@ -18,20 +18,21 @@ use surefoot::bake::root_motion::root_bone;
 use surefoot::bake::{BakeOptions, Baked, Curves, Drive, Helped, RootMotion, bake};
 use surefoot::export::{Form, baked, glb, vrma};
 use surefoot::model::scenario::Walk;
-use surefoot::model::{KeyValues, Role, Scenario, Target};
+use surefoot::model::{Body, KeyValues, Role, Scenario, Target};
 use surefoot::rig::{Rig, load, load_bytes};
 
 /// s: half as much again as what Blender drops at 24 frames a second.
 const APART: f32 = 0.6e-3;
-/// m: what moves in a millisecond by so much more or less than in the one before jumps: 800 m/s², several times what the foot of somebody
-/// does who stamps. Where a foot touches down, poses may.
-const JUMP: f64 = 0.8e-3;
+/// m: what moves in a millisecond by so much more or less than in the one before jumps. Where a foot touches down, poses may.
+const JUMP: f64 = 1e-3;
 
-fn walk(seconds: f64) -> Scenario {
+/// As fast for its legs as 1.2 m/s is for those of an adult.
+fn walk(body: &Body, seconds: f64) -> Scenario {
+    let speed = 1.2 * (body.leg_length / 0.83).sqrt();
     Scenario {
         push: Vec::new(),
         duration: seconds,
-        walk: vec![Walk { start: 0.2, speed: 1.2, heading: 0.0, facing: None, duration: None }],
+        walk: vec![Walk { start: 0.2, speed, heading: 0.0, facing: None, duration: None }],
         ..Scenario::demo()
     }
 }
@@ -82,9 +83,13 @@ fn every_kind(name: &str, rig: &Rig) {
     let kinds: [(&str, Scenario, BakeOptions); 5] = [
         ("stepper", shove(&rig.body, 60.0, 70.0), BakeOptions::default()),
         ("ragdoll", shove(&rig.body, 200.0, 50.0), BakeOptions { drive: ragdoll(), ..BakeOptions::default() }),
-        ("hips", walk(3.0), BakeOptions { root: RootMotion::Hips, fps: 60.0, ..BakeOptions::default() }),
-        ("spline", walk(3.0), BakeOptions { curves: Curves::Spline, ..BakeOptions::default() }),
-        ("loop", walk(8.0), BakeOptions { looped: true, root: RootMotion::InPlace, ..BakeOptions::default() }),
+        ("hips", walk(&rig.body, 3.0), BakeOptions { root: RootMotion::Hips, fps: 60.0, ..BakeOptions::default() }),
+        ("spline", walk(&rig.body, 3.0), BakeOptions { curves: Curves::Spline, ..BakeOptions::default() }),
+        (
+            "loop",
+            walk(&rig.body, 8.0),
+            BakeOptions { looped: true, root: RootMotion::InPlace, ..BakeOptions::default() },
+        ),
     ];
     for (kind, scenario, options) in kinds {
         let Ok(made) = bake(rig, &scenario, &options) else { panic!("{name} {kind}: no clip") };
@@ -189,7 +194,7 @@ fn straight_lines_show_hands_and_head_within_two_millimetres_and_feet_within_hal
         for (kind, scenario, drive) in [
             ("shove", shove(&rig.body, 100.0, 80.0), Drive::Stepper),
             ("shoved body", shove(&rig.body, 320.0, 80.0), ragdoll()),
-            ("walk", walk(3.0), Drive::Stepper),
+            ("walk", walk(&rig.body, 3.0), Drive::Stepper),
         ] {
             let options = BakeOptions { drive, ..BakeOptions::default() };
             let made = bake(&rig, &scenario, &options).expect("it bakes");
@@ -205,7 +210,7 @@ fn straight_lines_show_hands_and_head_within_two_millimetres_and_feet_within_hal
 fn the_feet_of_a_clip_that_lost_half_of_its_keys_are_farther_off() {
     // The planted extreme: what the test above measures can fail.
     let rig = builtin();
-    let mut made = bake(&rig, &walk(3.0), &BakeOptions::default()).expect("it bakes");
+    let mut made = bake(&rig, &walk(&rig.body, 3.0), &BakeOptions::default()).expect("it bakes");
     for channel in made.clip.channels.iter_mut().filter(|channel| channel.times.len() > 20) {
         let kept: Vec<usize> =
             (0..channel.times.len()).filter(|key| key % 2 == 0 || *key + 1 == channel.times.len()).collect();
