@@ -87,6 +87,24 @@ fn joints_are_where_the_body_had_them_within_5_millimetres_and_2_degrees() {
 }
 
 #[test]
+fn a_leg_that_straightens_between_two_ticks_has_its_knee_where_the_body_had_it() {
+    for (name, rig) in rigs() {
+        shoves(&rig, 16, [120.0, 240.0], 43).par_iter().for_each(|scenario| {
+            let baked = play(&rig, scenario);
+            let timeline = &baked.performance.timeline;
+            let played = timeline.played.as_ref().expect("a run");
+            let mut sampler = rig.sampler(&baked.clip);
+            for millisecond in 0..(timeline.stands() * 1e3) as usize {
+                let time = millisecond as f64 * 1e-3;
+                let pose = sampler.sample(time).pose();
+                let off = drift::between(&timeline.body, played.joints(), &played.run_at(time), &pose);
+                assert!(off.within(&MOST), "{name}: {off:?} at {time} s after {:?}", scenario.push[0]);
+            }
+        });
+    }
+}
+
+#[test]
 fn who_stands_in_the_run_stands_in_the_clip_and_who_falls_falls() {
     let mut seen = [0, 0];
     for (name, rig) in rigs() {

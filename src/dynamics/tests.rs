@@ -169,6 +169,20 @@ fn no_joint_gives_more_than_it_can_and_what_it_gives_is_what_acts() {
     assert!(strained > 10, "{strained}");
 }
 
+/// Three seconds in which a torque (N m) turns the first of some links that hang from a fixed one; `see` is shown each tick.
+fn turned(links: Vec<Link>, torque: DVec3, mut see: impl FnMut(&Articulation)) {
+    let hang = links.len();
+    let (mut body, mut around) = (made(links), Around::default());
+    for _ in 0..300 {
+        body.let_go();
+        body.push(0, DVec3::Y * (G * 1e7), DVec3::ZERO, DVec3::ZERO);
+        body.push(1, DVec3::ZERO, DVec3::ZERO, torque);
+        (1..hang).for_each(|link| body.drive(link, DVec3::ZERO, DVec3::splat(1.5), DVec3::ZERO));
+        body.step(&mut around, 0.01, 2, &mut |_, _, _, _| {});
+        see(&body);
+    }
+}
+
 #[test]
 fn joints_stop_at_the_ends_of_their_ranges() {
     let range = Range::Ball(Swing {
@@ -182,22 +196,13 @@ fn joints_stop_at_the_ends_of_their_ranges() {
     let shank =
         Link { range: Range::Hinge([0.0, 2.4]), ..link(Some(1), hinge, DVec3::NEG_Y * 0.4, 4.0, DVec3::NEG_Y * 0.2) };
     for torque in [DVec3::X * 60.0, DVec3::NEG_X * 60.0, DVec3::Z * 40.0, DVec3::NEG_Z * 40.0, DVec3::Y * 10.0] {
-        let mut body = made(vec![fixed(), thigh, shank]);
-        let mut around = Around::default();
         let (mut past, mut moved) = (0.0_f64, 0.0_f64);
-        for _ in 0..300 {
-            body.let_go();
-            body.push(0, DVec3::Y * (G * 1e7), DVec3::ZERO, DVec3::ZERO);
-            body.push(1, DVec3::ZERO, DVec3::ZERO, torque);
-            for link in 1..3 {
-                body.drive(link, DVec3::ZERO, DVec3::splat(1.5), DVec3::ZERO);
-            }
-            body.step(&mut around, 0.01, 2, &mut |_, _, _, _| {});
+        turned(vec![fixed(), thigh, shank], torque, |body| {
             let turned = body.relative[1].to_scaled_axis();
             moved = moved.max(turned.length());
             past = past.max(turned.x - 0.3).max(-1.5 - turned.x).max(turned.z - 0.6).max(-0.3 - turned.z);
             past = past.max(-body.angle[2]).max(body.angle[2] - 2.4);
-        }
+        });
         assert!(past < 0.03 && moved > 0.25, "{torque}: {past} rad past, moved {moved}");
     }
 }
@@ -213,20 +218,13 @@ fn a_joint_whose_angles_are_read_about_axes_of_its_own_stops_at_their_ends() {
             ..link(Some(0), Joint::Ball, DVec3::NEG_Y * 0.1, 8.0, DVec3::NEG_Y * 0.2)
         };
         for torque in [DVec3::X * 60.0, DVec3::NEG_X * 60.0, DVec3::Z * 40.0, DVec3::NEG_Z * 40.0, DVec3::Y * 10.0] {
-            let mut body = made(vec![fixed(), thigh]);
-            let mut around = Around::default();
             let (mut past, mut moved) = (0.0_f64, 0.0_f64);
-            for _ in 0..300 {
-                body.let_go();
-                body.push(0, DVec3::Y * (G * 1e7), DVec3::ZERO, DVec3::ZERO);
-                body.push(1, DVec3::ZERO, DVec3::ZERO, torque);
-                body.drive(1, DVec3::ZERO, DVec3::splat(1.5), DVec3::ZERO);
-                body.step(&mut around, 0.01, 2, &mut |_, _, _, _| {});
+            turned(vec![fixed(), thigh], torque, |body| {
                 moved = moved.max(body.relative[1].to_scaled_axis().length());
                 for ((angle, _), [low, high]) in axes.angles(body.relative[1]).into_iter().zip(range) {
                     past = past.max(angle - high).max(low - angle);
                 }
-            }
+            });
             assert!(past < 0.03 && moved > 0.25, "{reading:?} {torque}: {past} rad past, moved {moved}");
         }
     }

@@ -9,15 +9,17 @@ for tool in Xvfb xdotool import identify; do
   command -v "$tool" >/dev/null || { echo "skipped: $tool is not installed"; exit 0; }
 done
 
-display=":$((90 + RANDOM % 900))"
 home="$(mktemp -d)"
-Xvfb "$display" -screen 0 1280x800x24 >/dev/null 2>&1 &
+# The server picks a display that is free, and writes its number when it takes clients. `-noreset`: without it, the server starts over when
+# its last client leaves, as a killed studio does, and refuses whoever comes meanwhile.
+Xvfb -displayfd 3 -noreset -screen 0 1280x800x24 3>"$home/display" >/dev/null 2>&1 &
 server=$!
 studio=""
 trap 'kill $studio $server 2>/dev/null || true; rm -rf "$home"' EXIT
-export DISPLAY="$display" HOME="$home" XDG_DATA_HOME="$home/data" XDG_RUNTIME_DIR="$home"
+for _ in $(seq 100); do [ -s "$home/display" ] && break; sleep 0.1; done
+[ -s "$home/display" ] || { echo "FAILED: Xvfb does not start" >&2; exit 1; }
+export DISPLAY=":$(cat "$home/display")" HOME="$home" XDG_DATA_HOME="$home/data" XDG_RUNTIME_DIR="$home"
 unset WAYLAND_DISPLAY
-for _ in $(seq 50); do xdotool getmouselocation >/dev/null 2>&1 && break; sleep 0.1; done
 fail() { echo "FAILED: $*" >&2; import -window root "$out/failed.png" || true; exit 1; }
 
 # Starts it and waits for its window.

@@ -25,6 +25,9 @@ const FOLLOWS: f64 = 6.0;
 const GIVES: f64 = 1e-2;
 /// m and rad that held feet may move any joint by: the rest of the 5 mm and 2 degrees is for the keys.
 const MOST: drift::Drift = drift::Drift { place: 4.4e-3, turn: 1.7 * std::f64::consts::PI / 180.0 };
+/// Looks at that in a tick where a hold begins or ends: 2.5 ms apart, closer than the 4 ms in which a leg that straightens passes through
+/// the least that inverse kinematics leaves it bent.
+const BETWEEN_TICKS: usize = 4;
 /// Rounds in which contacts are cut to what the bound allows.
 const ROUNDS: usize = 12;
 
@@ -242,10 +245,10 @@ impl Played {
             self.joints.iter().copied().filter(|joint| !legs[1 - side].contains(joint)).collect()
         };
         let joints = [of(0), of(1)];
-        // Between two ticks, too, where a hold begins or ends: a leg that is almost straight bends the most on its way.
-        for half in 0..=2 * self.stands {
-            let (index, time) = (half / 2, 0.5 * half as f64 * self.dt);
-            if half % 2 == 1 && !self.held.iter().any(|held| held.changes(time)) {
+        // Between two ticks, too, where a hold begins or ends: the knee of a leg that is almost straight is the farthest off on its way.
+        for piece in 0..=BETWEEN_TICKS * self.stands {
+            let (index, time) = (piece / BETWEEN_TICKS, piece as f64 * self.dt / BETWEEN_TICKS as f64);
+            if !piece.is_multiple_of(BETWEEN_TICKS) && !self.held.iter().any(|held| held.changes(time)) {
                 continue;
             }
             let own = self.run_at(time);
