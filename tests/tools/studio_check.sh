@@ -12,7 +12,7 @@ done
 home="$(mktemp -d)"
 # The server picks a display that is free, and writes its number when it takes clients. `-noreset`: without it, the server starts over when
 # its last client leaves, as a killed studio does, and refuses whoever comes meanwhile.
-Xvfb -displayfd 3 -noreset -screen 0 1280x800x24 3>"$home/display" >/dev/null 2>&1 &
+Xvfb -displayfd 3 -noreset -screen 0 1280x800x24 3>"$home/display" >"$home/server" 2>&1 &
 server=$!
 studio=""
 trap 'kill $studio $server 2>/dev/null || true; rm -rf "$home"' EXIT
@@ -20,7 +20,7 @@ for _ in $(seq 100); do [ -s "$home/display" ] && break; sleep 0.1; done
 [ -s "$home/display" ] || { echo "FAILED: Xvfb does not start" >&2; exit 1; }
 export DISPLAY=":$(cat "$home/display")" HOME="$home" XDG_DATA_HOME="$home/data" XDG_RUNTIME_DIR="$home"
 unset WAYLAND_DISPLAY
-fail() { echo "FAILED: $*" >&2; import -window root "$out/failed.png" || true; exit 1; }
+fail() { echo "FAILED: $*" >&2; kill -0 $server || cat "$home/server" >&2; import -window root "$out/failed.png" || true; exit 1; }
 
 # Starts it and waits for its window.
 start() {
