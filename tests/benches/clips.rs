@@ -25,7 +25,7 @@ mod data;
 mod shoves;
 
 use rayon::prelude::*;
-use shoves::{AHEAD, COUNT, EDGES, HEAVY, OTHERS, Shove, share, wilson};
+use shoves::{AHEAD, COUNT, EDGES, HEAVY, OTHERS, Shove, WANTED, share, wilson};
 use std::sync::Arc;
 use std::time::Instant;
 use surefoot::bake::{BakeOptions, Drive, Helped, bake, gated};
@@ -60,10 +60,11 @@ struct Made {
 }
 
 impl Made {
-    /// Bakes a shove and makes its files, all but the disk.
-    fn of(rig: &Rig, shove: &Shove, helped: Helped) -> Result<Made, String> {
+    /// Bakes a shove of the person of a seed and makes its files, all but the disk.
+    fn of(rig: &Rig, shove: &Shove, helped: Helped, effort: u8, seed: u64) -> Result<Made, String> {
         let begun = Instant::now();
-        let options = BakeOptions { drive: Drive::Ragdoll(helped), ..BakeOptions::default() };
+        let drive = Drive::Ragdoll(helped);
+        let options = BakeOptions { drive, effort, seed: Some(seed), ..BakeOptions::default() };
         let baked = bake(rig, &shove.scenario(WHEN.1), &options).map_err(|error| error.to_string())?;
         let files = export::baked(rig, &baked, Form::default()).map_err(|error| error.to_string())?;
         let took = begun.elapsed().as_secs_f64();
@@ -131,8 +132,9 @@ impl Asked {
     }
 
     /// The clip of a shove; what could not be made is told.
-    fn made(&self, (name, rig): &(String, Rig), shove: &Shove, helped: Helped) -> Option<Made> {
-        let made = Made::of(rig, shove, helped);
+    fn made(&self, (name, rig): &(String, Rig), shove: &Shove, how: (Helped, u8, u64)) -> Option<Made> {
+        let (helped, effort, seed) = how;
+        let made = Made::of(rig, shove, helped, effort, seed);
         match &made {
             Ok(made) if self.verbose => println!("{}", made.told(name, shove)),
             Ok(_) => {}
@@ -176,23 +178,26 @@ fn main() {
 fn pushes(asked: &Asked, count: usize) {
     for named in asked.rigs(&OTHERS) {
         println!(
-            "\n{}, {:.1} kg, {count} shoves a bin, --drive ragdoll --assist off --effort 1",
+            "\n{}, {:.1} kg, {count} shoves a bin, --drive ragdoll --assist off, each of another person (--seed)",
             named.0, named.1.body.mass
         );
         println!(
-            "impulse, Ns | stand, % (95 % interval) of wanted | by the gate | of those that stand: score, ZMP inside, % without pops, % in range | drift at most | s, median and 95 %"
+            "impulse, Ns | --effort 0: stand, % of wanted | --effort 1: stand, % (95 % interval) of wanted | fall by the gate | of those that stand: score, ZMP inside, % without pops, % in range | drift at most | s, median and 95 %"
         );
         for bin in 0..AHEAD.len() {
-            let shoves = shoves::drawn(bin, count).into_iter().map(|shove| asked.shove(&named.1, shove));
+            let shoves: Vec<Shove> =
+                shoves::drawn(bin, count).into_iter().map(|shove| asked.shove(&named.1, shove)).collect();
             // One after the other: seconds of one thread.
-            let made: Vec<Made> =
-                shoves.filter_map(|shove| asked.made(&named, &shove, Helped::Within(Assist::default()))).collect();
-            println!("{}", row(bin, count, &made));
+            let made = |effort: u8| -> Vec<Made> {
+                let how = |seed: usize| (Helped::Within(Assist::default()), effort, seed as u64);
+                shoves.iter().enumerate().filter_map(|(seed, shove)| asked.made(&named, shove, how(seed))).collect()
+            };
+            println!("{}", row(bin, count, &made(0), &made(1)));
         }
     }
 }
 
-fn row(bin: usize, count: usize, made: &[Made]) -> String {
+fn row(bin: usize, count: usize, plain: &[Made], made: &[Made]) -> String {
     let standing: Vec<&Made> = made.iter().filter(|made| made.stands()).collect();
     let up = standing.len();
     let [low, high] = wilson(up, count);
@@ -202,9 +207,11 @@ fn row(bin: usize, count: usize, made: &[Made]) -> String {
         standing.iter().map(|made| made.drift()).fold([0.0_f64; 2], |[a, b], [c, d]| [a.max(c), b.max(d)]);
     let took: Vec<f64> = made.iter().map(|made| made.took).collect();
     format!(
-        "{:>4.0} to {:>3.0} | {:>5.1} ({low:.1} to {high:.1}) of {:>3.0} | {:>2} | {:.2} {:.3} {:>5.1} {:>5.1} | {place:.2} mm {turn:.2} deg | {:.3} {:.3}",
+        "{:>4.0} to {:>3.0} | {:>5.1} of {:>3.0} | {:>5.1} ({low:.1} to {high:.1}) of {:>3.0} | {:>2} | {:.2} {:.3} {:>5.1} {:>5.1} | {place:.2} mm {turn:.2} deg | {:.3} {:.3}",
         EDGES[bin],
         EDGES[bin + 1],
+        share(plain.iter().filter(|made| made.stands()).count(), count),
+        WANTED[bin],
         share(up, count),
         AHEAD[bin],
         made.iter().filter(|made| made.gated).count(),
@@ -235,7 +242,7 @@ fn grid(asked: &Asked) {
             asked.shove(&named.1, Shove { start: 0.0, duration: 0.2, force: impulse / 0.2, heading })
         };
         let made: Vec<Made> =
-            cells.par_iter().filter_map(|cell| asked.made(&named, &shove(cell), Helped::Auto)).collect();
+            cells.par_iter().filter_map(|cell| asked.made(&named, &shove(cell), (Helped::Auto, 1, 0))).collect();
         println!("{}", shares(&named.0, &made.iter().collect::<Vec<_>>()));
         all.extend(made);
     }
@@ -277,7 +284,7 @@ fn batch() {
 fn same() {
     let rig = common::builtin();
     let shove = Shove { start: WHEN.0, ..shoves::drawn(AHEAD.len() - 1, 1)[0] };
-    let once = |_: usize| Made::of(&rig, &shove, Helped::Auto).map(|made| (made.files.file, made.files.events));
+    let once = |_: usize| Made::of(&rig, &shove, Helped::Auto, 1, 0).map(|made| (made.files.file, made.files.events));
     let mut made: Vec<_> = (0..3).map(once).collect();
     made.extend((0..3).into_par_iter().map(once).collect::<Vec<_>>());
     let first = made[0].clone();

@@ -20,7 +20,7 @@ mod shoves;
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use shoves::{AHEAD, COUNT, EDGES, HEAVY, HELD_OUT, OTHERS, Shove, share, wilson};
+use shoves::{AHEAD, COUNT, EDGES, HEAVY, HELD_OUT, OTHERS, Shove, WANTED, share, wilson};
 use std::path::PathBuf;
 use std::time::Instant;
 use surefoot::bake::{BakeOptions, Baked, Drive, Helped, bake};
@@ -33,12 +33,11 @@ use surefoot::ragdoll::walk::Order;
 use surefoot::ragdoll::{Controller, Figure, Locks, Tuning, World};
 use surefoot::rig::{self, Rig};
 use surefoot::sim::{Ahead, Articulated, ArticulatedOptions, Things, simulate_articulated, simulate_with};
+use surefoot::whole_body::reaction::Personality;
 use surefoot::whole_body::{Anatomy, Solver, stand};
 
 /// Shares of the bins among the paper's pushes (10 to 500 N for 0.1 to 0.5 s).
 const MIX: [f64; 5] = [0.39, 0.31, 0.18, 0.09, 0.03];
-/// Wanted root-free, %.
-const WANTED: [f64; 5] = [100.0, 98.0, 95.0, 88.0, 55.0];
 /// Wanted with help, %.
 const HELPED: [f64; 5] = [100.0, 100.0, 100.0, 99.0, 97.0];
 /// Help that is allowed in each bin, N m and N, for a body of 89.5 kg.
@@ -59,12 +58,18 @@ impl Subject {
         Subject { name: name.into(), body, anatomy, physique }
     }
 
-    /// Whether it stays up, and whether it then stands still.
-    fn pushed(&self, push: &KnownPush, [torque, force]: [f64; 2], effort: u8) -> (bool, bool) {
+    /// Whether it stays up, and whether it then stands still; as the person of that seed.
+    fn pushed(&self, (person, push): (usize, &KnownPush), [torque, force]: [f64; 2], effort: u8) -> (bool, bool) {
         let scale = self.physique.mass / HEAVY;
         let ahead = Ahead { effort, ..Ahead::default() };
-        let options =
-            ArticulatedOptions { duration: push.start + 8.0, extra: 0.0, ahead, ..ArticulatedOptions::default() };
+        let options = ArticulatedOptions {
+            duration: push.start + 8.0,
+            extra: 0.0,
+            personality: Personality::drawn(person as u64),
+            seed: person as u64,
+            ahead,
+            ..ArticulatedOptions::default()
+        };
         let push = KnownPush { force: push.force * scale, ..*push };
         let assist = Assist { torque: torque * scale, force: force * scale };
         let run = simulate_articulated(
@@ -121,17 +126,16 @@ fn table(subject: &Subject, count: usize, bins: &[usize]) {
     let mut mix = 0.0;
     for &bin in bins {
         let pushes: Vec<KnownPush> = shoves::drawn(bin, count).iter().map(|shove| shove.known(&subject.body)).collect();
-        let free: Vec<(bool, bool)> = pushes.par_iter().map(|push| subject.pushed(push, [0.0, 0.0], 0)).collect();
-        let ahead = |(push, (up, _)): &(&KnownPush, &(bool, bool))| *up || subject.pushed(push, [0.0, 0.0], 1).0;
-        let ahead = pushes.par_iter().zip(&free).filter(ahead).count();
+        let each = || pushes.par_iter().enumerate();
+        let free: Vec<(bool, bool)> = each().map(|push| subject.pushed(push, [0.0, 0.0], 0)).collect();
+        let ahead = each().filter(|push| subject.pushed(*push, [0.0, 0.0], 1).0).count();
         let up = free.iter().filter(|(up, _)| *up).count();
         let rests = free.iter().filter(|(up, rests)| *up && *rests).count();
         let allowed = ALLOWED[bin];
-        let helped = pushes
-            .par_iter()
+        let helped = each()
             .zip(&free)
             .filter(|(push, (up, _))| {
-                *up || allowed != [0.0, 0.0] && ladder(allowed).iter().any(|bound| subject.pushed(push, *bound, 0).0)
+                *up || allowed != [0.0, 0.0] && ladder(allowed).iter().any(|bound| subject.pushed(*push, *bound, 0).0)
             })
             .count();
         let [low, high] = wilson(up, count);
@@ -187,7 +191,8 @@ fn standing(subject: &Subject) {
         .filter(|index| {
             let angle = f64::from(*index) * std::f64::consts::TAU / 16.0;
             let force = DVec3::new(angle.sin(), 0.0, angle.cos()) * 300.0;
-            subject.pushed(&KnownPush { start: 0.5, end: 0.7, force, at: PushPoint::Joint(chest) }, [0.0, 0.0], 0).0
+            let push = KnownPush { start: 0.5, end: 0.7, force, at: PushPoint::Joint(chest) };
+            subject.pushed((*index as usize, &push), [0.0, 0.0], 0).0
         })
         .count();
     println!("300 N for 0.2 s: {sixteen} of wanted 16 directions root-free");

@@ -14,6 +14,8 @@ use surefoot::model::{Body, Role};
 pub const HELD_OUT: u64 = 5_000_000;
 /// Ns, the edges of the bins.
 pub const EDGES: [f64; 6] = [0.0, 50.0, 100.0, 150.0, 200.0, 250.0];
+/// Wanted of who does not look ahead (`--effort 0`), % that stand, a bin.
+pub const WANTED: [f64; 5] = [100.0, 98.0, 95.0, 88.0, 55.0];
 /// Wanted of who looks ahead (`--effort 1`), % that stand, a bin.
 pub const AHEAD: [f64; 5] = [100.0, 100.0, 100.0, 99.0, 95.0];
 /// kg, whom the shoves are made for.
