@@ -108,7 +108,7 @@ fn raised_arms_come_down_soon_after_the_last_step_against_a_fall() {
         });
         let most = run.poses.iter().map(raised).fold(0.0, f64::max);
         let later = run.poses[((caught + 1.3) / run.trace.dt) as usize..].iter().map(raised).fold(0.0, f64::max);
-        println!("towards {degrees}: {most:.0} degrees, {later:.0} from {:.2} s on", caught + 1.3);
+        println!("towards {degrees}: {most:.1} degrees, {later:.1} from {:.2} s on", caught + 1.3);
         assert!(most > 25.0 && later < 12.0, "towards {degrees}: {later:.0} of {most:.0} degrees");
     }
 }
@@ -174,7 +174,7 @@ fn a_run_is_the_same_to_the_last_bit() {
     }
 }
 
-const PINNED: u64 = 0x6b08_d59f_9ca5_d258;
+const PINNED: u64 = 0xf1b7_2b2a_d837_ea25;
 
 /// Seeded pushes on the chest, from and to so many N s.
 fn drawn(body: &Body, first: u64, count: usize, impulse: [f64; 2]) -> Vec<KnownPush> {

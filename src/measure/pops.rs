@@ -11,7 +11,7 @@ use glam::DQuat;
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 /// rad, the least step that can be a pop.
-const POP_LEAST: f64 = 4.0 * DEGREE;
+pub(crate) const POP_LEAST: f64 = 4.0 * DEGREE;
 /// rad, the least step over two frames that can be one.
 const POP_LEAST_OF_TWO: f64 = 30.0 * DEGREE;
 /// rad, of toes: those of captured people flick by 4 degrees and more every other second, as they touch down and leave, by more than 30
@@ -41,19 +41,30 @@ pub fn pops(track: &Track) -> Vec<Pop> {
             Some(parent) => pose.turns[parent].inverse() * pose.turns[index],
             None => pose.turns[index],
         };
-        let steps: Vec<f64> =
-            frames.windows(2).map(|pair| angle_of(local(pair[0]).inverse() * local(pair[1]))).collect();
+        let turns: Vec<DQuat> = frames.iter().map(|pose| local(pose)).collect();
         let least = if matches!(joint.role, Role::LeftToes | Role::RightToes) { POP_LEAST_OF_TOES } else { POP_LEAST };
-        let mut at = 0;
-        while at < steps.len() {
-            let over =
-                [(1, least), (2, POP_LEAST_OF_TWO)].map(|(count, least)| (count, jump(&steps, at, count, least)));
-            let Some((count, step)) = over.into_iter().find_map(|(count, step)| Some((count, step?))) else {
-                at += 1;
-                continue;
-            };
-            found.push(Pop { role: joint.role, time: motion.time(at * motion.per_frame), step });
-            at += count;
+        found.extend(jumps(&turns, least).into_iter().map(|(frame, step)| Pop {
+            role: joint.role,
+            time: motion.time(frame * motion.per_frame),
+            step,
+        }));
+    }
+    found
+}
+
+/// The pops of a joint that is turned like that frame by frame: the frame that each begins at and its step, rad.
+pub(crate) fn jumps(turns: &[DQuat], least: f64) -> Vec<(usize, f64)> {
+    let steps: Vec<f64> = turns.windows(2).map(|pair| angle_of(pair[0].inverse() * pair[1])).collect();
+    let mut found = Vec::new();
+    let mut at = 0;
+    while at < steps.len() {
+        let over = [(1, least), (2, POP_LEAST_OF_TWO)].map(|(count, least)| (count, jump(&steps, at, count, least)));
+        match over.into_iter().find_map(|(count, step)| Some((count, step?))) {
+            Some((count, step)) => {
+                found.push((at, step));
+                at += count;
+            }
+            None => at += 1,
         }
     }
     found

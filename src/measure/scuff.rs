@@ -104,19 +104,23 @@ fn slide(track: &Track, scuff: &Scuff) -> f64 {
         sole_points(track, sample + 1, scuff.side, &mut next);
         let (now, then) = (terrain.held_at(track.motion.time(sample)), terrain.held_at(track.motion.time(sample + 1)));
         let ground = terrain.turn(track.motion.time(sample + 1)) * terrain.turn(track.motion.time(sample)).inverse();
-        let over: Vec<f64> =
-            here.iter().zip(&next).map(|(here, next)| height(&now, *here) + height(&then, *next)).collect();
-        let lowest = over.iter().copied().fold(f64::INFINITY, f64::min);
-        let touching = (0..over.len()).filter(|index| over[*index] < lowest + 2.0 * BESIDE);
-        let moved = touching.map(|index| {
-            let moved = next[index] - ground * here[index];
-            let normal = now.spot(DVec2::new(here[index].x, here[index].z)).normal;
-            (moved - normal * moved.dot(normal)).length()
-        });
-        let (sum, count) = moved.fold((0.0, 0.0), |(sum, count), moved| (sum + moved, count + 1.0));
-        way += sum / f64::max(count, 1.0);
+        way += way_over((&here, &next), (&now, &then), ground);
     }
     way
+}
+
+/// m, the way over the ground, in the mean, of the lowest points of a sole that is here and then there, on ground that was so, is so and
+/// turned by that meanwhile.
+pub(crate) fn way_over((here, next): (&[DVec3], &[DVec3]), (now, then): (&Terrain, &Terrain), ground: DQuat) -> f64 {
+    let over = |index: usize| height(now, here[index]) + height(then, next[index]);
+    let lowest = (0..here.len()).map(over).fold(f64::INFINITY, f64::min);
+    let moved = (0..here.len()).filter(|index| over(*index) < lowest + 2.0 * BESIDE).map(|index| {
+        let moved = next[index] - ground * here[index];
+        let normal = now.spot(DVec2::new(here[index].x, here[index].z)).normal;
+        (moved - normal * moved.dot(normal)).length()
+    });
+    let (sum, count) = moved.fold((0.0, 0.0), |(sum, count), moved| (sum + moved, count + 1.0));
+    sum / f64::max(count, 1.0)
 }
 
 /// The spans of time in which a foot scuffs and touches, as contacts that nothing holds in: for what asks only whether it is on the ground.

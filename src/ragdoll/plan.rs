@@ -61,6 +61,8 @@ pub struct StepTuning {
     pub span: f64,
     /// m/s, how fast a foot gets about.
     pub speed: f64,
+    /// m/s², how fast it may have to: a step that is too far for its time takes longer.
+    pub acceleration: f64,
     /// What a late landing costs, m/s.
     pub late: f64,
     /// m, what it costs to step with the same foot again.
@@ -74,13 +76,14 @@ pub struct StepTuning {
 impl Default for StepTuning {
     fn default() -> StepTuning {
         StepTuning {
-            times: [0.22, 0.24, 0.26],
-            outside: 0.2,
+            times: [0.25, 0.275, 0.30],
+            outside: 0.24,
             along: 0.06,
             clear: 0.08,
             reach: 0.38,
             span: 1.0,
             speed: 4.0,
+            acceleration: 70.0,
             late: 0.27,
             again: 0.074,
             left: 0.0,
@@ -89,6 +92,9 @@ impl Default for StepTuning {
     }
 }
 
+/// The most that a least-jerk way from rest to rest accelerates, of its length over the square of its time: 10 / √3 (Flash and Hogan 1985).
+const LEAST_JERK: f64 = 5.7735;
+
 /// The best step now.
 pub fn choose(situation: &Situation, tuning: &StepTuning) -> Target {
     let tempo = situation.size.max(1e-6).sqrt();
@@ -96,7 +102,12 @@ pub fn choose(situation: &Situation, tuning: &StepTuning) -> Target {
     for side in Side::BOTH {
         for time in tuning.times {
             let mut target = aim(situation, tuning, side, time * tempo, time * tempo);
-            target.cost += tuning.late * (tuning.times[2] - time) * situation.size;
+            let travel = target.at.distance(situation.feet[side as usize]);
+            let least = (LEAST_JERK * travel / tuning.acceleration).sqrt();
+            if least > target.time {
+                target = aim(situation, tuning, side, least, least);
+            }
+            target.cost += tuning.late * (tuning.times[2] - target.time / tempo) * situation.size;
             target.cost += if situation.last == Some(side) { tuning.again * situation.size } else { 0.0 };
             target.cost += (side.sign() * tuning.left).max(0.0) * situation.size;
             if best.is_none_or(|best| target.cost < best.cost) {

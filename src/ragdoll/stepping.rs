@@ -199,7 +199,7 @@ impl Controller {
                 self.swing = Some(Swing {
                     side,
                     start: self.time,
-                    time: (0.5 - 0.22 * waited) * tempo,
+                    time: (0.47 - 0.22 * waited) * tempo,
                     target: beside(side),
                     from: ground,
                     lift: 0.05 * self.size,

@@ -102,11 +102,13 @@ impl Controller {
                 let goal = hip + (goal - hip).clamp_length_max(tuning.stretch * length);
                 let velocity = self.motion.origin_velocity(foot);
                 let error = short(level * state.turn.inverse());
+                let asked = swing.reference.acceleration
+                    + (goal - state.origin) * tuning.foot[0]
+                    + (swing.reference.velocity - velocity) * tuning.foot[1];
+                // A foot that could not stop in time would be carried over the one that stands.
+                let brakes = if asked.with_y(0.0).dot(velocity) < 0.0 { tuning.brakes } else { 1.0 };
                 Acceleration {
-                    linear: (swing.reference.acceleration
-                        + (goal - state.origin) * tuning.foot[0]
-                        + (swing.reference.velocity - velocity) * tuning.foot[1])
-                        .clamp_length_max(tuning.foot_most[0]),
+                    linear: asked.clamp_length_max(tuning.foot_most[0] * brakes),
                     angular: (error * tuning.foot_turn[0] + (spin - state.spin) * tuning.foot_turn[1])
                         .clamp_length_max(tuning.foot_most[1]),
                 }

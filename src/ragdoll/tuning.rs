@@ -54,6 +54,8 @@ pub struct Tuning {
     pub apart: bool,
     /// m/s², rad/s²: most of a swing foot.
     pub foot_most: [f64; 2],
+    /// So many times as much where it brakes.
+    pub brakes: f64,
     /// Share of a swing by which the foot must be off the ground.
     pub rise: f64,
     /// 1/s, how hard a foot that bears is held still.
@@ -112,7 +114,7 @@ impl Tuning {
         turn(&mut next.step.left, -0.3, 0.3);
         turn(&mut next.step.nudge[0], -0.2, 0.2);
         turn(&mut next.step.nudge[1], -0.2, 0.2);
-        turn(&mut next.momentum, 0.5, 1.7);
+        turn(&mut next.momentum, 0.7, 2.8);
         turn(&mut next.trigger, -0.05, 0.05);
         turn(&mut next.cop_gain, 1.3, 4.0);
         turn(&mut next.moment[0], 40.0, 250.0);
@@ -120,7 +122,7 @@ impl Tuning {
         turn(&mut next.pelvis[0], 30.0, 140.0);
         turn(&mut next.foreseen, 0.0, 0.9);
         turn(&mut next.lift[0], 0.05, 0.12);
-        turn(&mut next.reach[1], 0.86, 0.965);
+        turn(&mut next.reach[1], 0.82, 0.965);
         turn(&mut next.weights[2], 0.05, 0.6);
         turn(&mut next.crouch, 0.0, 0.12);
         next
@@ -135,12 +137,12 @@ impl Default for Tuning {
             momentum: 1.35,
             trigger: -0.02,
             shrunk: 0.03,
-            moment: [120.0, 470.0],
+            moment: [120.0, 505.0],
             height: [144.0, 20.0],
-            pelvis: [75.0, 12.0],
+            pelvis: [75.0, 13.5],
             pelvis_most: 54.0,
             trunk: [100.0, 16.0],
-            foot: [670.0, 40.0],
+            foot: [700.0, 40.0],
             foot_turn: [600.0, 40.0],
             weights: [1.0, 1.0, 0.3, 0.19],
             ridge: 0.02,
@@ -152,16 +154,17 @@ impl Default for Tuning {
             borne: 0.06,
             settle: 1000.0,
             apart: false,
-            foot_most: [80.0, 86.0],
+            foot_most: [80.0, 250.0],
+            brakes: 1.5,
             rise: 0.25,
             hold: 0.0,
-            reach: [0.974, 0.945],
+            reach: [0.974, 0.925],
             snap: 0.8,
             level: 800.0,
             stretch: 0.965,
             at_ease: 0.98,
             inside: 1.0,
-            sink: 1.2,
+            sink: 1.6,
             wide: 0.65,
             onwards: 0.7,
             straight: 0.86,

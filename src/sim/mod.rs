@@ -2,6 +2,7 @@
 
 pub mod articulated;
 pub mod balls;
+mod looks;
 mod mirror;
 mod record;
 mod run;

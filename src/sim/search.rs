@@ -6,10 +6,9 @@
 //! seed and on the tick, the budget is counted in ticks: the same input finds the same, on any machine.
 
 use super::ArticulatedOptions;
-use super::run::{Course, Run, Ticked};
+use super::looks::Looks;
+use super::run::{Course, Run};
 use crate::maths::seed::Seed;
-use crate::measure::gate::LONGEST_HOVER;
-use crate::measure::legs;
 use crate::ragdoll::Tuning;
 
 /// s after its beginning, when a push is felt: the quickest of people's answers to a shove (0.1 to 0.15 s from experience of platforms that jerk).
@@ -20,10 +19,13 @@ const AHEAD: f64 = 2.2;
 const RESTS: f64 = 0.2;
 /// Of the standing height, under which a copy has fallen. It is given up sooner than a body: who gets that low hardly gets up.
 const FALLEN: f64 = 0.62;
-/// m at legs of 0.83 m, what a copy must keep between its legs: well over what the gate asks, for nearer than that calves touch.
-const APART: f64 = 0.1;
-/// Share of the body's weight under which a foot is not on the ground.
-const PRESSED: f64 = 0.01;
+/// What a fall costs at once; a s later it is [`LATER`] less.
+const FALLS: f64 = 100.0;
+const LATER: f64 = 10.0;
+/// What a joint's jump costs, a step, and not to be at rest in the end, of the cost of [`Looks`].
+const JUMP: f64 = 0.5;
+const STEP: f64 = 0.1;
+const LATE: f64 = 1.0;
 /// Candidates at a decision and ticks in all, by effort.
 const EFFORTS: [(usize, usize); 4] = [(0, 0), (28, 8_000), (120, 40_000), (2_000, 3_000_000)];
 
@@ -106,7 +108,7 @@ impl Search {
     /// Other dials from `time` on, where the own do not do and others do better.
     pub(super) fn better(&mut self, course: &Course, run: &Run, time: f64) -> Option<Tuning> {
         let own = run.control.tuning;
-        let first = self.roll(course, run, &own, time);
+        let first = self.roll(course, run, &own, time, f64::INFINITY);
         if first.good {
             return None;
         }
@@ -125,7 +127,7 @@ impl Search {
                 _ => near.drawn_near(&mut draw, 0.5),
             };
             self.done.tried += 1;
-            let ending = self.roll(course, run, &next, time);
+            let ending = self.roll(course, run, &next, time, best);
             if ending.cost < best {
                 (best, dials) = (ending.cost, Some(next));
             }
@@ -137,45 +139,32 @@ impl Search {
         dials
     }
 
-    /// Runs a copy on with those dials.
-    fn roll(&mut self, course: &Course, run: &Run, tuning: &Tuning, time: f64) -> Ending {
+    /// Runs a copy on with those dials, as long as it costs less than `most`.
+    fn roll(&mut self, course: &Course, run: &Run, tuning: &Tuning, time: f64, most: f64) -> Ending {
         let mut copy = run.clone();
         copy.control.tuning = *tuning;
-        let size = course.figure.leg_length / 0.83;
-        let least = PRESSED * course.figure.mass * 9.81 * self.dt;
         let over = copy.acting.iter().map(|push| push.start + push.duration).fold(0.0, f64::max);
-        let (mut hover, mut longest, mut nearest) = (0.0, 0.0_f64, f64::INFINITY);
-        let steps = copy.control.report.steps;
+        let mut looks = Looks::new(course, self.dt);
         let ticks = (AHEAD / self.dt).round() as usize;
         for tick in 0..ticks {
             let now = time + tick as f64 * self.dt;
             self.left = self.left.saturating_sub(1);
-            let Ticked { lies, height, pressed, .. } = copy.tick(course, now);
-            if tick > 0 {
-                hover = if pressed.iter().all(|foot| *foot < least) { hover + self.dt } else { 0.0 };
-                longest = longest.max(hover);
-            }
-            nearest = nearest.min(legs_apart(course, &copy) / size);
+            let ticked = copy.tick(course, now);
+            looks.see(course, &copy, &ticked, now);
             let stood = tick as f64 * self.dt;
-            if lies || height < FALLEN || copy.go_on(course, now).is_err() {
-                return Ending { good: false, cost: 100.0 - 10.0 * stood };
+            if ticked.lies || ticked.height < FALLEN || copy.go_on(course, now).is_err() {
+                return Ending { good: false, cost: FALLS - LATER * stood };
             }
             if copy.rest > RESTS && now > over {
                 break;
             }
+            if looks.cost() >= most {
+                return Ending { good: false, cost: looks.cost() };
+            }
         }
-        let hovers = (longest - LONGEST_HOVER).max(0.0);
-        let crossed = (APART - nearest).max(0.0);
-        let rests = copy.rest > RESTS;
-        let taken = copy.control.report.steps.saturating_sub(steps) as f64;
-        let cost = 40.0 * hovers + 60.0 * crossed + 0.1 * taken + if rests { 0.0 } else { 1.0 };
-        Ending { good: hovers <= 0.0 && crossed <= 0.0, cost }
+        let (seen, jumps) = (looks.cost(), looks.jumps() as f64);
+        let taken = copy.control.report.steps.saturating_sub(run.control.report.steps) as f64;
+        let late = if copy.rest > RESTS { 0.0 } else { LATE };
+        Ending { good: seen <= 0.0 && jumps <= 0.0, cost: seen + JUMP * jumps + STEP * taken + late }
     }
-}
-
-/// m, between the axes of the legs.
-fn legs_apart(course: &Course, run: &Run) -> f64 {
-    let states = run.control.states();
-    let [left, right] = course.figure.legs.map(|leg| leg.map(|link| states[link].origin));
-    legs::distance(&left, &right)
 }
