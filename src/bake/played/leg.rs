@@ -38,10 +38,18 @@ impl Foot {
     }
 }
 
-/// Puts a foot there; `positions` are the joints' before.
-pub fn reach(body: &Body, anatomy: &Anatomy, pose: &mut BodyPose, positions: &[DVec3], side: Side, wanted: &Foot) {
+/// Puts a foot there; `positions` are the joints' before. Returns by how much the leg is too short for it, m.
+pub fn reach(
+    body: &Body,
+    anatomy: &Anatomy,
+    pose: &mut BodyPose,
+    positions: &[DVec3],
+    side: Side,
+    wanted: &Foot,
+) -> f64 {
     let leg = &anatomy.legs[side as usize];
     let [hip, knee, ankle] = [leg.upper, leg.lower, leg.foot].map(|joint| positions[joint]);
+    let mut short = 0.0;
     if (wanted.ankle - ankle).length_squared() > 1e-20 {
         let axis = (ankle - hip).normalize_or(DVec3::NEG_Y);
         let off = (knee - hip) - axis * (knee - hip).dot(axis);
@@ -53,6 +61,7 @@ pub fn reach(body: &Body, anatomy: &Anatomy, pose: &mut BodyPose, positions: &[D
         let (upper, lower) = ((knee - hip).length(), (ankle - knee).length());
         let used = (ankle - hip).length() / (upper + lower).max(1e-9);
         let chain = two_bone_ik(hip, wanted.ankle, upper, lower, pole, STRAIGHTEST.max(used.min(1.0)));
+        short = chain.end.distance(wanted.ankle);
         let thigh = shortest_arc(knee - hip, chain.middle - hip);
         let shank = shortest_arc(ankle - knee, chain.end - chain.middle);
         pose.turns[leg.upper] = (thigh * pose.turns[leg.upper]).normalize();
@@ -67,6 +76,7 @@ pub fn reach(body: &Body, anatomy: &Anatomy, pose: &mut BodyPose, positions: &[D
             pose.turns[joint] = (by * pose.turns[joint]).normalize();
         }
     }
+    short
 }
 
 #[cfg(test)]

@@ -25,6 +25,8 @@ const FOLLOWS: f64 = 6.0;
 const GIVES: f64 = 1e-2;
 /// m and rad that held feet may move any joint by: the rest of the 5 mm and 2 degrees is for the keys.
 const MOST: drift::Drift = drift::Drift { place: 4.4e-3, turn: 1.7 * std::f64::consts::PI / 180.0 };
+/// m that a leg may be too short for where its foot is held: half of what a contact that stands still may slip.
+const SHORT: f64 = 5e-4;
 /// Looks at that in a tick where a hold begins or ends: 2.5 ms apart, closer than the 4 ms in which a leg that straightens passes through
 /// the least that inverse kinematics leaves it bent.
 const BETWEEN_TICKS: usize = 4;
@@ -166,6 +168,12 @@ impl Played {
 
     /// The pose at a time, its planted points still.
     pub fn pose_at(&self, body: &Body, anatomy: &Anatomy, terrain: &Terrain, time: f64) -> BodyPose {
+        self.held_at(body, anatomy, terrain, time).0
+    }
+
+    /// The same, and by how much each leg is too short for what its foot holds then, m.
+    fn held_at(&self, body: &Body, anatomy: &Anatomy, terrain: &Terrain, time: f64) -> (BodyPose, [f64; 2]) {
+        let mut short = [0.0; 2];
         let mut pose = self.shifted(time);
         let ground = terrain.turn(time);
         let mut positions = Vec::new();
@@ -179,9 +187,10 @@ impl Played {
             }
             let now = leg::Foot::of(body, &pose, &positions, side).seen_from(ground);
             let wanted = held.at(&now, time).seen_from(ground.inverse());
-            leg::reach(body, anatomy, &mut pose, &positions, side, &wanted);
+            let lacks = leg::reach(body, anatomy, &mut pose, &positions, side, &wanted);
+            short[side as usize] = held.holding(time).map_or(0.0, |_| lacks);
         }
-        bound(body, pose)
+        (bound(body, pose), short)
     }
 
     /// The run's pose where the body has been moved to.
@@ -233,8 +242,8 @@ impl Played {
         }
     }
 
-    /// The entries at which some joint is farther from the run than held feet may take it: for each foot those of its leg and
-    /// of the body.
+    /// The entries at which some joint is farther from the run than held feet may take it, or a leg too short for what it holds: for
+    /// each foot those of its leg and of the body.
     fn beyond(&self, run: &Run) -> [Vec<usize>; 2] {
         let mut found = [Vec::new(), Vec::new()];
         let legs = Side::BOTH.map(|side| {
@@ -252,10 +261,11 @@ impl Played {
                 continue;
             }
             let own = self.run_at(time);
-            let pose = self.pose_at(run.body, run.anatomy, run.terrain, time);
+            let (pose, short) = self.held_at(run.body, run.anatomy, run.terrain, time);
             for side in 0..2 {
                 let counted = found[side].last() == Some(&index);
-                if !counted && !drift::between(run.body, &joints[side], &own, &pose).within(&MOST) {
+                let near = || drift::between(run.body, &joints[side], &own, &pose).within(&MOST);
+                if !counted && (short[side] > SHORT || !near()) {
                     found[side].push(index);
                 }
             }
