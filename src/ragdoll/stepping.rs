@@ -12,6 +12,9 @@ use crate::maths::real;
 use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
 
+/// s, for how long after an unhurried step only what leaves the soles is a fall: the time to take weight on the foot that landed.
+const EASED: f64 = 0.5;
+
 impl Controller {
     /// s since it last stepped against a fall or was about to.
     pub fn at_ease(&self) -> f64 {
@@ -85,6 +88,9 @@ impl Controller {
             if down && passed > if near { 0.5 } else { 0.7 } * swing.time {
                 self.swing = None;
                 self.last = Some(swing.side);
+                if swing.comfort {
+                    self.eased = self.time;
+                }
                 self.report.steps += 1;
                 // Who lands wide goes on over the foot that landed and brings the other along.
                 let apart = self.sole_middle(figure, Side::Left).distance(self.sole_middle(figure, Side::Right));
@@ -108,7 +114,10 @@ impl Controller {
         if self.swing.is_none() {
             let hull = self.hull(figure);
             let out = signed_distance(&shrink(&hull, self.tuning.shrunk * self.size), xi);
-            if out > self.tuning.trigger * self.size {
+            // Who has just set a foot beside the other has balance over that other foot, near its edge as in the swing.
+            let eased = self.time - self.eased < EASED * self.tempo();
+            let trigger = if eased { self.tuning.shrunk } else { self.tuning.trigger };
+            if out > trigger * self.size {
                 let cop = closest_point(&hull, xi).unwrap_or(xi);
                 let situation = self.situation(figure, xi, rate, cop);
                 let target = plan::choose(&situation, &self.tuning.step);

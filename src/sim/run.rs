@@ -90,7 +90,8 @@ fn tuning_of(person: &Personality) -> Tuning {
     tuning.trigger += 0.02 * person.trunk_gain;
     tuning.step.outside += 0.06 * person.far_arm;
     tuning.lift[0] *= 1.0 + 0.15 * person.head_gain;
-    tuning.step.nudge = [-0.05 * person.far_arm, 0.08 * person.arms_gain];
+    tuning.step.nudge[0] = -0.05 * person.far_arm;
+    tuning.step.along += 0.05 * person.arms_gain;
     tuning.step.reach += 0.02 * (person.head_gain + person.trunk_gain);
     tuning.step.left = 0.03 * person.elbow;
     tuning

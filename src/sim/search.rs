@@ -26,6 +26,8 @@ const LATER: f64 = 10.0;
 const JUMP: f64 = 0.5;
 const STEP: f64 = 0.1;
 const LATE: f64 = 1.0;
+/// More steps than people take: two or three against shoves that move a person, seldom four (Maki and McIlroy 1997).
+const MANY: f64 = 4.0;
 /// Candidates at a decision and ticks in all, by effort.
 const EFFORTS: [(usize, usize); 4] = [(0, 0), (28, 8_000), (120, 40_000), (2_000, 3_000_000)];
 
@@ -165,6 +167,7 @@ impl Search {
         let (seen, jumps) = (looks.cost(), looks.jumps() as f64);
         let taken = copy.control.report.steps.saturating_sub(run.control.report.steps) as f64;
         let late = if copy.rest > RESTS { 0.0 } else { LATE };
-        Ending { good: seen <= 0.0 && jumps <= 0.0, cost: seen + JUMP * jumps + STEP * taken + late }
+        let good = seen <= 0.0 && jumps <= 0.0 && taken <= MANY;
+        Ending { good, cost: seen + JUMP * jumps + STEP * taken + late }
     }
 }
