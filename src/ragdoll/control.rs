@@ -95,6 +95,8 @@ pub struct Controller {
     pub(super) stand_height: f64,
     pub(super) pelvis_height: f64,
     pub(super) heading: f64,
+    /// rad, where it faces when nothing disturbs it.
+    pub(super) facing: f64,
     pub(super) last: Option<Side>,
     pub(super) push: DVec3,
     pub(super) before: Option<(DVec3, DVec3)>, // velocity and commanded force a tick ago
@@ -155,6 +157,7 @@ impl Controller {
             gait: Gait::default(),
             aimed: states[0].origin.y,
             heading: yaw_of(states[0].turn),
+            facing: yaw_of(states[0].turn),
             last: None,
             push: DVec3::ZERO,
             before: None,

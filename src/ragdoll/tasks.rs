@@ -19,6 +19,9 @@ const STEEP: f64 = 0.6;
 /// m at legs of 0.83 m, at most so much higher goes a swinging foot whose ankle does not let its sole lie level: an edge of it would catch
 /// on the ground. Twice as much loses recoveries of bodies with large feet.
 const CLEARS: f64 = 0.015;
+/// rad, how far a shove may turn whoever steps for good. More stand no better: of 16 people's 24 clips each of 100 to 180 Ns 89 % with
+/// this, with twice as much and without a bound 88 to 89 %, and the bound keeps clips that end turned by 40 to 100 degrees away.
+const TURNED: f64 = 0.25;
 
 impl Controller {
     /// The middle of what bears, (x, z).
@@ -30,10 +33,13 @@ impl Controller {
         }
     }
 
-    /// Where it is to face: whoever steps lets himself be turned.
+    /// Where it is to face: whoever steps lets himself be turned, a little; who walks faces where he goes.
     pub(super) fn face(&mut self) {
-        if self.swing.is_some() && !self.gait.walks() {
+        if self.gait.walks() {
+            self.facing = self.heading;
+        } else if self.swing.is_some() {
             self.heading += 0.03 * wrap_angle(yaw_of(self.states[0].turn) - self.heading);
+            self.heading = self.facing + wrap_angle(self.heading - self.facing).clamp(-TURNED, TURNED);
         }
     }
 
