@@ -12,10 +12,13 @@ const PRESSED: f64 = 0.01;
 const APART: f64 = 0.1;
 /// m at such legs, what feet may slide in all: what one sees at a glance is a third of a foot.
 const SLIDES: f64 = 0.1;
-/// What a second in the air costs, a metre that legs are too near to each other, and a metre that feet slide.
+/// rad, how far the trunk may lean: people lean by 26 degrees or so at most where they keep their feet after 150 Ns.
+const UPRIGHT: f64 = 0.6;
+/// What a second in the air costs, a metre that legs are too near to each other, a metre that feet slide and a radian of leaning.
 const HOVERS: f64 = 40.0;
 const CROSSED: f64 = 60.0;
 const SLID: f64 = 5.0;
+const LEANS: f64 = 4.0;
 /// s, a frame of those that pops are looked for in.
 const FRAME: f64 = 0.03;
 
@@ -31,6 +34,8 @@ pub(super) struct Looks {
     nearest: f64,
     /// m at such legs, how far feet slid.
     slid: f64,
+    /// rad, how far the trunk leaned from upright at most.
+    leaned: f64,
     /// s, the ground then, and where the points of both soles were: a tick ago.
     before: Option<(f64, Terrain, [Vec<DVec3>; 2])>,
     turns: [Vec<DQuat>; 6],
@@ -45,6 +50,7 @@ impl Looks {
             longest: 0.0,
             nearest: f64::INFINITY,
             slid: 0.0,
+            leaned: 0.0,
             before: None,
             turns: Default::default(),
         }
@@ -56,6 +62,7 @@ impl Looks {
         let states = run.control.states();
         let [left, right] = course.figure.legs.map(|leg| leg.map(|link| states[link].origin));
         self.nearest = self.nearest.min(legs::distance(&left, &right) / size);
+        self.leaned = self.leaned.max((states[course.figure.trunk].turn * DVec3::Y).angle_between(DVec3::Y));
         let soles = Side::BOTH.map(|side| course.figure.sole_at(states, side).to_vec());
         if let Some((when, ground, before)) = &self.before {
             let presses = ticked.pressed.map(|foot| foot >= self.least);
@@ -78,7 +85,8 @@ impl Looks {
         let hovers = (self.longest - LONGEST_HOVER).max(0.0);
         let crossed = (APART - self.nearest).max(0.0);
         let slid = (self.slid - SLIDES).max(0.0);
-        HOVERS * hovers + CROSSED * crossed + SLID * slid
+        let leans = (self.leaned - UPRIGHT).max(0.0);
+        HOVERS * hovers + CROSSED * crossed + SLID * slid + LEANS * leans
     }
 
     /// How often a joint of the legs jumps from one frame to the next.

@@ -15,7 +15,7 @@ use glam::{DQuat, DVec2, DVec3};
 /// m/s at legs of 0.83 m: a point that is faster slides.
 const SLIDES: f64 = 0.06;
 /// m at legs of 0.83 m and rad: as far may a held point or foot be from the run's.
-const PLACE: f64 = 3.8e-3;
+const PLACE: f64 = 3.5e-3;
 /// As [`PLACE`] says.
 const TURN: f64 = 1.5 * std::f64::consts::PI / 180.0;
 /// rad: on rolling ground, and on an edge of a sole, a foot that stands still may lean so far against the ground.

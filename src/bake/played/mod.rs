@@ -23,8 +23,8 @@ use hold::Held;
 const FOLLOWS: f64 = 6.0;
 /// N/N: how readily the body is moved along a leg rather than the leg bent; about the square of a millimetre in a metre.
 const GIVES: f64 = 1e-2;
-/// m and rad that held feet may move any joint by: the rest of the 5 mm and 2 degrees is for the keys.
-const MOST: drift::Drift = drift::Drift { place: 4.4e-3, turn: 1.7 * std::f64::consts::PI / 180.0 };
+/// m and rad that held feet may move any joint by: the rest of the 5 mm and 2 degrees is for the keys, 1.3 mm of it for those of the hands.
+const MOST: drift::Drift = drift::Drift { place: 3.7e-3, turn: 1.7 * std::f64::consts::PI / 180.0 };
 /// m that a leg may be too short for where its foot is held: half of what a contact that stands still may slip.
 const SHORT: f64 = 5e-4;
 /// Looks at that in a tick where a hold begins or ends: 2.5 ms apart, closer than the 4 ms in which a leg that straightens passes through
