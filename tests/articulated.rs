@@ -257,6 +257,43 @@ fn people_differ_in_when_where_or_with_which_foot_they_step() {
     assert!(steps.iter().any(|step| step.0 != steps[0].0), "all with the same foot: {steps:?}");
 }
 
+/// Everybody of another seed, who looks ahead.
+fn somebody(seed: u64) -> ArticulatedOptions {
+    let ahead = Ahead { effort: 1, ..Ahead::default() };
+    ArticulatedOptions { personality: Personality::drawn(seed), seed, ahead, ..ArticulatedOptions::default() }
+}
+
+#[test]
+fn who_is_pushed_gently_does_not_march_on_the_spot() {
+    let body = builtin().body;
+    let pushes = drawn(&body, 9_300, 48, [10.0, 60.0]);
+    let runs: Vec<Articulated> =
+        pushes.iter().zip(700..).map(|(push, seed)| looking(&body, push, somebody(seed))).collect();
+    let steps: Vec<usize> = runs.iter().map(|run| run.trace.steps.len()).collect();
+    println!("steps of each: {steps:?}");
+    assert!(runs.iter().all(|run| run.trace.lost.is_none()));
+    // One against the push, one beside it, and as many again where the first was too short.
+    assert!(steps.iter().all(|steps| *steps <= 6), "{steps:?}");
+}
+
+#[test]
+fn who_steps_faces_where_he_did() {
+    let body = builtin().body;
+    let hips = body.joint(Role::Hips).expect("hips");
+    let mut most = 0.0_f64;
+    for (push, seed) in drawn(&body, 9_400, 24, [100.0, 220.0]).iter().zip(800..) {
+        let run = looking(&body, push, somebody(seed));
+        if run.trace.lost.is_some() {
+            continue;
+        }
+        let rest = run.poses[0].turns[hips];
+        let ahead = |tick: usize| (run.poses[tick].turns[hips] * rest.inverse() * DVec3::Z).with_y(0.0);
+        most = most.max(ahead(run.poses.len() - 1).angle_between(ahead(0)));
+    }
+    println!("turned by at most {:.0} degrees", most.to_degrees());
+    assert!(most < 25.0_f64.to_radians(), "{:.0} degrees", most.to_degrees());
+}
+
 #[test]
 fn a_body_that_is_none_is_an_error_in_words() {
     let body = builtin().body;
