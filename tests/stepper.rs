@@ -5,9 +5,10 @@
 use glam::{DVec2, DVec3};
 use surefoot::maths::seed::Seed;
 use surefoot::model::Side;
+use surefoot::model::scenario::{Stepper, SupportModel, Trigger};
 use surefoot::sim::{SessionPush, SimulateOptions, TickState, Trace, simulate_pushes};
 use surefoot::stepper::support::{Support, Tread, forward, left};
-use surefoot::stepper::{Params, Physique, StepKind, Style, SupportModel, Trigger, ground};
+use surefoot::stepper::{Params, Physique, StepKind, Style, ground};
 
 const START: f64 = 0.3;
 const LENGTH: f64 = 0.2;
@@ -82,8 +83,8 @@ fn stands_for_a_minute_without_moving_by_a_bit() {
         scaled(1.7, 4.0),
         Physique { stance_width: 0.1, ..Physique::REFERENCE },
     ] {
-        for support in [SupportModel::Soles, SupportModel::Circles] {
-            let style = Style { support, ..Style::default() };
+        for support in [SupportModel::Soles, SupportModel::Circles, SupportModel::Capsules] {
+            let style = Style { variant: Stepper { support, ..Stepper::default() }, ..Style::default() };
             let options = SimulateOptions { duration: 60.0, extra: 0.0, style, ..SimulateOptions::default() };
             let trace = simulate_pushes(&body, &[], &options);
             assert_eq!(trace.ticks.len(), 6001);
@@ -108,7 +109,7 @@ fn sways_under_a_small_push_and_comes_back_without_a_step() {
 fn recovers_from_the_papers_pushes_and_an_adult_from_most() {
     let share = |agility: f64, trigger: Trigger| {
         let mut seed = Seed::new(2013);
-        let style = Style { agility, trigger, ..Style::default() };
+        let style = Style { agility, variant: Stepper { trigger, ..Stepper::default() }, ..Style::default() };
         let mut stood = 0;
         let mut steps = 0;
         for _ in 0..2000 {

@@ -145,6 +145,8 @@ mod studio_viewport;
 mod studio_views;
 /// Rigs and motions made by hand for the modules above.
 mod synthetic;
+/// The paper's variants of the stepper, by the keys of a scenario.
+mod variants;
 /// VRM animations: the specification, the same pose, read back.
 mod vrma;
 /// The same on characters, for three-vrm.

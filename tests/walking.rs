@@ -3,7 +3,7 @@
 
 use glam::{DVec2, DVec3};
 use surefoot::maths::seed::Seed;
-use surefoot::model::scenario::{Turn, Walk};
+use surefoot::model::scenario::{Stepper, Turn, Walk};
 use surefoot::sim::{Script, SessionPush, SimulateOptions, Trace, simulate};
 use surefoot::stepper::support::{forward, left};
 use surefoot::stepper::{Params, Physique, StepKind, Style, ground};
@@ -34,7 +34,7 @@ fn legs(share: f64) -> Physique {
 }
 
 fn bare() -> Style {
-    Style { ankle_feedback: false, leg_change: false, ..Style::default() }
+    Style { variant: Stepper { ankle_feedback: false, leg_change: false, ..Stepper::default() }, ..Style::default() }
 }
 
 /// Walks towards `heading` degrees, facing 0, from `GO` to `until`.

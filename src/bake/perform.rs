@@ -14,7 +14,7 @@ use crate::maths::curve::smooth3;
 use crate::maths::real;
 use crate::measure::joints::LegAngles;
 use crate::measure::{Frame, KnownPush, PushPoint};
-use crate::model::scenario::{Character, Feet, Scenario};
+use crate::model::scenario::{Feet, Scenario};
 use crate::model::{Body, Side, Terrain};
 use crate::sim::{Ahead, Script, SessionPush, SimulateOptions, TickState, Trace, simulate};
 use crate::stepper::{Phase, Physique, Step, Style};
@@ -98,11 +98,7 @@ pub fn perform_over(
     let physique = stand::physique(body, &anatomy);
     let physique = over.as_ref().map_or(physique, |over| over.physique(&physique));
     let (carried, loads) = carried::carried(body, &anatomy, scenario);
-    let options = SimulateOptions {
-        duration: scenario.duration,
-        style: style(&scenario.character),
-        ..SimulateOptions::default()
-    };
+    let options = SimulateOptions { duration: scenario.duration, style: style(scenario), ..SimulateOptions::default() };
     let most = ((options.duration + options.extra) / options.dt).ceil() as usize + 2;
     let physiques = carried::physiques(body, &anatomy, (&carried, &loads), options.dt, most);
     let mut script = Script { physiques, ..Script::of(scenario, Vec::new()) };
@@ -391,7 +387,7 @@ fn upper_body(
     scenario: &Scenario,
 ) -> Vec<UpperAngles> {
     let personality = Personality::drawn(seed);
-    let unhurried = style(&scenario.character).unhurried();
+    let unhurried = style(scenario).unhurried();
     let mut reaction = Reaction::new(physique, personality, scenario.character.style.arms).unhurried(unhurried);
     if over_a_walk {
         reaction = reaction.over_a_walk();
@@ -416,8 +412,10 @@ fn upper_body(
 }
 
 /// The stepper's dials from the scenario's.
-fn style(character: &Character) -> Style {
+fn style(scenario: &Scenario) -> Style {
+    let character = &scenario.character;
     Style {
+        variant: scenario.stepper,
         agility: character.agility,
         step_height: character.style.step_height,
         stance_width: character.style.stance_width,

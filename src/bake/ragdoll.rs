@@ -7,7 +7,7 @@ use super::throws::{Ball, Hit, Toss};
 use super::{BakeError, Performance};
 use crate::maths::quat::wrap_angle;
 use crate::measure::{KnownPush, PushPoint};
-use crate::model::scenario::{GroundKind, Scenario, Walk};
+use crate::model::scenario::{GroundKind, Scenario, Stepper, Walk};
 use crate::model::{Body, Load, Physique, Terrain};
 use crate::ragdoll::control::Assist;
 use crate::ragdoll::walk::{Order, WalkTuning};
@@ -83,6 +83,7 @@ pub fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
     part(scenario.character.crouch > 0.0, "[character] crouch");
     part(!scenario.stand.is_empty(), "[[stand]]");
     part(scenario.base.is_some(), "[base]");
+    part(scenario.stepper != Stepper::default(), "[stepper]");
     parts
 }
 

@@ -22,6 +22,8 @@ pub struct Scenario {
     pub character: Character,
     /// What it stands on.
     pub ground: Ground,
+    /// Which of the paper's variants the stepper is.
+    pub stepper: Stepper,
     /// The clip that the reaction starts from.
     pub base: Option<Base>,
     /// Intent: where to walk.
@@ -74,6 +76,47 @@ pub struct Style {
     pub recovery_time: f64,
     /// How much the arms do.
     pub arms: f64,
+}
+
+/// The stepper as the paper varies it; as it comes, the best that is known. The articulated body does not heed it yet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stepper {
+    /// In a walk pressure moves under a foot. Without: the paper's bare pendulum, which touches the ground in points. A stand keeps it.
+    pub ankle_feedback: bool,
+    /// Legs give and stretch. Without: the height is kept.
+    pub leg_change: bool,
+    /// The area under a foot.
+    pub support: SupportModel,
+    /// What makes it step.
+    pub trigger: Trigger,
+    /// Times the leg's stiffness, 25 kN/m of the reference body.
+    pub spring: f64,
+    /// Times its damper, 2.0 kN s/m of the reference body.
+    pub damping: f64,
+    /// Times the share of a leg's length error that a step is shorter or longer by.
+    pub length_bias: f64,
+    /// The paper's k_p, of the centre of mass's height: how far a force as large as the weight moves the foothold.
+    pub pull_bias: f64,
+}
+
+/// What makes the stepper step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trigger {
+    /// The extrapolated centre of mass ξ leaves the support.
+    Extrapolated,
+    /// The paper's wording: the bare projection of the centre of mass does.
+    Projected,
+}
+
+/// How the stepper models the area under a foot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SupportModel {
+    /// The rectangle of the real sole, and the hull of two.
+    Soles,
+    /// The paper's: a circle under each foot, a capsule between two.
+    Circles,
+    /// A capsule along each sole, and the hull of two.
+    Capsules,
 }
 
 /// The ground.
@@ -320,6 +363,21 @@ impl Default for Character {
     }
 }
 
+impl Default for Stepper {
+    fn default() -> Stepper {
+        Stepper {
+            ankle_feedback: true,
+            leg_change: true,
+            support: SupportModel::Soles,
+            trigger: Trigger::Extrapolated,
+            spring: 1.0,
+            damping: 1.0,
+            length_bias: 1.0,
+            pull_bias: 0.4,
+        }
+    }
+}
+
 impl Default for Ground {
     fn default() -> Ground {
         Ground { kind: GroundKind::Flat, friction: 1.0 }
@@ -335,6 +393,7 @@ impl Default for Scenario {
             seed: 0,
             character: Character::default(),
             ground: Ground::default(),
+            stepper: Stepper::default(),
             base: None,
             walk: Vec::new(),
             turn: Vec::new(),

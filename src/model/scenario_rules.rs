@@ -14,6 +14,10 @@ const MASSES: (f64, f64) = (1.0, 2000.0);
 const LEG_SCALES: (f64, f64) = (0.25, 4.0);
 /// Least and greatest friction: under 0.05 nobody can push off the ground.
 const FRICTIONS: (f64, f64) = (0.05, 10.0);
+/// Least and greatest factor on the legs' springs and dampers: softer they fold, stiffer a tick is too long for them.
+const SPRINGS: (f64, f64) = (0.25, 4.0);
+/// Least and greatest bias of a step's length.
+const BIASES: (f64, f64) = (0.0, 2.0);
 /// Seeds stay whole in readers that know numbers as doubles only: 2^53.
 const GREATEST_SEED: u64 = 1 << 53;
 
@@ -24,6 +28,7 @@ impl Scenario {
         check.document(self);
         check.character(self);
         check.ground(self);
+        check.stepper(self);
         check.lanes(self);
         check.faults
     }
@@ -64,6 +69,14 @@ impl Check {
         ] {
             self.range(format!("character.{key}"), value, (0.0, 1.0), "");
         }
+    }
+
+    fn stepper(&mut self, scenario: &Scenario) {
+        let stepper = &scenario.stepper;
+        self.range("stepper.spring", stepper.spring, SPRINGS, "");
+        self.range("stepper.damping", stepper.damping, SPRINGS, "");
+        self.range("stepper.length_bias", stepper.length_bias, BIASES, "");
+        self.range("stepper.pull_bias", stepper.pull_bias, BIASES, "");
     }
 
     fn ground(&mut self, scenario: &Scenario) {

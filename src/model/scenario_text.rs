@@ -5,7 +5,8 @@
 //! otherwise every fault of the document is, unknown keys and wrong types here, the rest by [`Scenario::validate`].
 
 use super::scenario::{
-    Base, Carry, Character, Crouch, Feet, Ground, GroundKind, Marker, Push, Scenario, Stand, Style, Throw, Turn, Walk,
+    Base, Carry, Character, Crouch, Feet, Ground, GroundKind, Marker, Push, Scenario, Stand, Stepper, Style,
+    SupportModel, Throw, Trigger, Turn, Walk,
 };
 use super::scenario_errors::{ScenarioErrors, ScenarioSource, TextFault};
 use super::scenario_forms::{direction, mass_curve, radius, role};
@@ -56,6 +57,7 @@ fn scenario(name: &str, mut root: Reader<'_, '_>) -> Scenario {
     let seed = root.whole("seed").unwrap_or(default.seed);
     let character = root.table("character").map(character).unwrap_or_default();
     let ground = root.table("ground").map(ground).unwrap_or_default();
+    let stepper = root.table("stepper").map(stepper).unwrap_or_default();
     let base = root.table("base").and_then(base);
     let walk = root.lane("walk", |entry| Walk {
         start: entry.required_number("start"),
@@ -113,6 +115,7 @@ fn scenario(name: &str, mut root: Reader<'_, '_>) -> Scenario {
         seed,
         character,
         ground,
+        stepper,
         base,
         walk,
         turn,
@@ -176,6 +179,25 @@ fn ground(mut table: Reader<'_, '_>) -> Ground {
     let friction = table.number("friction").unwrap_or(1.0);
     table.finish();
     Ground { kind, friction }
+}
+
+fn stepper(mut table: Reader<'_, '_>) -> Stepper {
+    let default = Stepper::default();
+    let supports =
+        [("soles", SupportModel::Soles), ("circles", SupportModel::Circles), ("capsules", SupportModel::Capsules)];
+    let triggers = [("extrapolated", Trigger::Extrapolated), ("projected", Trigger::Projected)];
+    let stepper = Stepper {
+        ankle_feedback: table.truth("ankle_feedback").unwrap_or(default.ankle_feedback),
+        leg_change: table.truth("leg_change").unwrap_or(default.leg_change),
+        support: table.choice("support", &supports).unwrap_or(default.support),
+        trigger: table.choice("trigger", &triggers).unwrap_or(default.trigger),
+        spring: table.number("spring").unwrap_or(default.spring),
+        damping: table.number("damping").unwrap_or(default.damping),
+        length_bias: table.number("length_bias").unwrap_or(default.length_bias),
+        pull_bias: table.number("pull_bias").unwrap_or(default.pull_bias),
+    };
+    table.finish();
+    stepper
 }
 
 fn base(mut table: Reader<'_, '_>) -> Option<Base> {

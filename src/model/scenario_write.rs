@@ -1,7 +1,7 @@
 //! A scenario as its text: TOML in degrees that [`super::scenario_text`] reads back as the same scenario. What is as it would be if it
 //! were left out is left out. No I/O; comments of a text that was read before are not kept.
 
-use super::scenario::{Carry, Direction, Feet, GroundKind, Push, Scenario, Throw};
+use super::scenario::{Carry, Direction, Feet, GroundKind, Push, Scenario, SupportModel, Throw, Trigger};
 use std::fmt::Write;
 
 /// The text.
@@ -15,6 +15,7 @@ pub fn write(scenario: &Scenario) -> String {
     }
     character(&mut text, scenario);
     ground(&mut text, scenario);
+    stepper(&mut text, scenario);
     if let Some(base) = &scenario.base {
         text += "\n[base]\n";
         for (key, value) in [("clip", &base.clip), ("file", &base.file)] {
@@ -115,6 +116,34 @@ fn ground(text: &mut String, scenario: &Scenario) {
         }
     }
     unless(text, "friction", scenario.ground.friction, 1.0);
+}
+
+fn stepper(text: &mut String, scenario: &Scenario) {
+    let (stepper, default) = (&scenario.stepper, Scenario::default().stepper);
+    if *stepper == default {
+        return;
+    }
+    *text += "\n[stepper]\n";
+    for (key, value, plain) in [
+        ("ankle_feedback", stepper.ankle_feedback, default.ankle_feedback),
+        ("leg_change", stepper.leg_change, default.leg_change),
+    ] {
+        if value != plain {
+            pair(text, key, &value.to_string());
+        }
+    }
+    match stepper.support {
+        SupportModel::Soles => {}
+        SupportModel::Circles => pair(text, "support", &quoted("circles")),
+        SupportModel::Capsules => pair(text, "support", &quoted("capsules")),
+    }
+    if stepper.trigger == Trigger::Projected {
+        pair(text, "trigger", &quoted("projected"));
+    }
+    unless(text, "spring", stepper.spring, default.spring);
+    unless(text, "damping", stepper.damping, default.damping);
+    unless(text, "length_bias", stepper.length_bias, default.length_bias);
+    unless(text, "pull_bias", stepper.pull_bias, default.pull_bias);
 }
 
 fn force(text: &mut String, lane: &str, push: &Push) {

@@ -7,10 +7,11 @@ use super::balance::steady_lean;
 use super::foothold::{ankles, beside, corrective, middle_after};
 use super::footing::{ROOM, apart, set_down};
 use super::support::{Support, Tread};
-use super::{Intent, Params, Passing, Physique, Plant, State, StepKind, Swing, Trigger};
+use super::{Intent, Params, Passing, Physique, Plant, State, StepKind, Swing};
 use super::{control::wrap, footfall, foothold, ground, swing};
 use crate::maths::pendulum;
 use crate::maths::real;
+use crate::model::scenario::Trigger;
 use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
 

@@ -25,10 +25,10 @@ mod turn;
 mod walk;
 
 pub use control::tick;
-pub use params::{Params, Style, Trigger};
+pub use params::{Params, Style};
 pub use stand::OneFoot;
 pub use state::{Inputs, Intent, Passing, State, Swing, TickOutput};
-pub use support::{Support, SupportModel};
+pub use support::Support;
 pub use walk::{Gait, Phase};
 
 pub use crate::model::{Physique, Plant};

@@ -3,20 +3,12 @@
 //! Every number is written for the reference body (0.83 m leg, centre of mass at 0.96 m, 89.5 kg) and scaled by Froude's
 //! rule: lengths by the leg, times by sqrt(com height / g), speeds and forces by what follows. No absolute constants.
 
-use super::{Physique, SupportModel};
+use super::Physique;
 use crate::maths::pendulum::GRAVITY;
 use crate::maths::real;
+use crate::model::scenario::{Stepper, SupportModel, Trigger};
 use crate::model::{Side, Stance};
 use glam::DVec2;
-
-/// What makes the controller step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Trigger {
-    /// The extrapolated centre of mass ξ leaves the support.
-    Extrapolated,
-    /// The paper's wording: the bare projection of the centre of mass does.
-    Projected,
-}
 
 /// How a character may be set apart from the ordinary adult.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,18 +17,12 @@ pub struct Style {
     pub agility: f64,
     /// The foot that goes first when neither is better.
     pub lead: Side,
-    /// What makes it step.
-    pub trigger: Trigger,
-    /// The area under a foot.
-    pub support: SupportModel,
+    /// Which of the paper's variants it is.
+    pub variant: Stepper,
     /// 0..1, how high the swinging foot is lifted; 0.5 as people do.
     pub step_height: f64,
     /// 0..1, how wide the stand is that it returns to; 0.5 as the body stands.
     pub stance_width: f64,
-    /// Pressure moves under the feet. Without: the paper's bare pendulum, that touches the ground in points.
-    pub ankle_feedback: bool,
-    /// Legs give and stretch. Without: the height is kept.
-    pub leg_change: bool,
     /// 0..1, how readily it steps rather than sways; 0.5 as people do.
     pub readiness: f64,
     /// 0..1, how long it takes over coming back to a comfortable stand; 0.5 as people do, 0 half of it, 1 twice.
@@ -55,12 +41,9 @@ impl Default for Style {
         Style {
             agility: 0.5,
             lead: Side::Right,
-            trigger: Trigger::Extrapolated,
-            support: SupportModel::Soles,
+            variant: Stepper::default(),
             step_height: 0.5,
             stance_width: 0.5,
-            ankle_feedback: true,
-            leg_change: true,
             readiness: 0.5,
             recovery_time: 0.5,
         }
@@ -151,6 +134,7 @@ pub struct Params {
 impl Params {
     /// The tuning for that body and style.
     pub fn new(physique: &Physique, style: &Style) -> Params {
+        let variant = &style.variant;
         let size = physique.leg_length / 0.83;
         let tempo = (physique.com_height / 0.96).sqrt();
         let pace = size / tempo;
@@ -164,6 +148,7 @@ impl Params {
         };
         let mut width = physique.stance_width * (0.6 + 0.8 * style.stance_width.clamp(0.0, 1.0));
         let weight = physique.mass * GRAVITY;
+        let stiffness = 23.6 * weight / physique.leg_length; // 25 kN/m for the reference body
         let margin = 0.01 * size;
         width = width.max(2.0 * physique.half_width + 0.02 * size).max(0.0);
         let hip_low = 0.74 * physique.hip_height - physique.ankle_height;
@@ -179,15 +164,15 @@ impl Params {
         };
         Params {
             lead: style.lead,
-            trigger: style.trigger,
-            support: style.support,
+            trigger: variant.trigger,
+            support: variant.support,
             width,
             com_forward,
             stance: physique.stance.unwrap_or(natural),
             tempo,
             size,
-            spring: 23.6 * weight / physique.leg_length, // 25 kN/m for the reference body
-            damper: 0.67 * 2.0 * (23.6 * weight / physique.leg_length * physique.mass).sqrt(),
+            spring: variant.spring * stiffness,
+            damper: variant.damping * 0.67 * 2.0 * (stiffness * physique.mass).sqrt(),
             circle_radius: 0.08 * size,
             margin,
             inner: 0.008 * size,
@@ -221,13 +206,13 @@ impl Params {
             delay: 0.5 * tempo,
             cost_speed: 0.2 * tempo,
             cost_cross: 0.2,
-            pull: 0.4 * physique.com_height,
-            leg_bias: 0.4,
+            pull: variant.pull_bias * physique.com_height,
+            leg_bias: 0.4 * variant.length_bias,
             trail: 0.36 * physique.leg_length,
             lift_height: (0.05 + 0.08 * style.step_height.clamp(0.0, 1.0)) * size,
-            rolls: style.ankle_feedback,
+            rolls: variant.ankle_feedback,
             walk_arc: 0.95,
-            walk_bias: 1.0,
+            walk_bias: variant.length_bias,
             twist_most: 0.35,
             turned: 0.12,
             ramp: 0.8 * pace / tempo,
@@ -239,7 +224,7 @@ impl Params {
             brief: 0.45 * tempo,
             transfer: 0.14,
             walk_gain: 0.7,
-            leg_change: style.leg_change,
+            leg_change: variant.leg_change,
             stagger: 0.05 * size,
             widen: 0.25,
             twist: 0.2,

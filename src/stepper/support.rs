@@ -1,20 +1,12 @@
 //! The support area on the ground: the hull of the soles, or the paper's circles and capsule. (x, z), metres.
 //!
 //! Fixed arrays, no allocation. A support is a convex polygon of at most eight corners, grown by a radius: two soles
-//! give eight corners and radius 0, two circles give two corners and their radius.
+//! give eight corners and radius 0, two circles give two corners and their radius, two capsules four and theirs.
 
 use super::{Params, Physique, Plant};
 use crate::maths::real;
+use crate::model::scenario::SupportModel;
 use glam::{DVec2, DVec3};
-
-/// How the area under a foot is modelled.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SupportModel {
-    /// The rectangle of the real sole.
-    Soles,
-    /// The paper's: a circle under each foot, a capsule between two.
-    Circles,
-}
 
 /// The part of a sole that carries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,6 +58,9 @@ impl Support {
         if params.support == SupportModel::Circles {
             return Support { corners, count: first + second, radius };
         }
+        // Fewer than eight corners: the first again and again, which the hull leaves out.
+        let (first_one, all) = (corners[0], first + second);
+        corners[all..].fill(first_one);
         let (corners, count) = hull(corners);
         Support { corners, count, radius }
     }
@@ -131,6 +126,14 @@ fn corners_of(
     }
     let half = 0.5 * (physique.tip - physique.heel);
     let margin = margin.min(0.9 * half).min(0.9 * physique.half_width);
+    if params.support == SupportModel::Capsules {
+        let round = physique.half_width.min(half);
+        let ball = physique.heel + 0.72 * 2.0 * half + round;
+        let rear = if tread == Tread::Ball { ball } else { physique.heel + round };
+        let front = physique.tip - round;
+        (into[0], into[1]) = (ankle + ahead * rear.min(front), ankle + ahead * front);
+        return (2, round - margin);
+    }
     let rear = match tread {
         Tread::Whole => physique.heel + margin,
         Tread::Ball => (physique.heel + 0.72 * 2.0 * half).min(physique.tip - margin),
@@ -180,6 +183,7 @@ fn push(chain: &mut [DVec2; 16], mut count: usize, base: usize, point: DVec2) ->
 mod tests {
     use super::super::Style;
     use super::*;
+    use crate::model::scenario::Stepper;
     use glam::DVec3;
 
     fn foot(x: f64, z: f64, yaw: f64) -> Plant {
@@ -187,7 +191,10 @@ mod tests {
     }
 
     fn params(support: SupportModel) -> Params {
-        Params::new(&Physique::REFERENCE, &Style { support, ..Style::default() })
+        Params::new(
+            &Physique::REFERENCE,
+            &Style { variant: Stepper { support, ..Stepper::default() }, ..Style::default() },
+        )
     }
 
     #[test]
@@ -204,6 +211,19 @@ mod tests {
     }
 
     #[test]
+    fn a_capsule_is_a_sole_without_its_corners() {
+        let body = Physique::REFERENCE;
+        let under = |model: SupportModel| Support::one(&params(model), &body, &foot(0.0, 0.0, 0.0), Tread::Whole, 0.0);
+        let (sole, capsule) = (under(SupportModel::Soles), under(SupportModel::Capsules));
+        let (tip, side) = (body.tip, body.half_width);
+        for on_both in [DVec2::new(0.0, tip), DVec2::new(0.0, body.heel), DVec2::new(side, 0.0)] {
+            assert!(sole.outside(on_both).abs() < 1e-12 && capsule.outside(on_both).abs() < 1e-12, "{on_both}");
+        }
+        let corner = capsule.outside(DVec2::new(side, tip));
+        assert!((corner - side * (2.0_f64.sqrt() - 1.0)).abs() < 1e-12, "{corner}");
+    }
+
+    #[test]
     fn a_foot_turned_left_points_left() {
         let (params, body) = (params(SupportModel::Soles), Physique::REFERENCE);
         let sole = Support::one(&params, &body, &foot(0.0, 0.0, std::f64::consts::FRAC_PI_2), Tread::Whole, 0.0);
@@ -213,7 +233,7 @@ mod tests {
     #[test]
     fn two_feet_hold_what_lies_between_them_whatever_their_order() {
         let body = Physique::REFERENCE;
-        for model in [SupportModel::Soles, SupportModel::Circles] {
+        for model in [SupportModel::Soles, SupportModel::Circles, SupportModel::Capsules] {
             let params = params(model);
             let (one, two) = (foot(0.3, 0.5, 0.4), foot(-0.2, -0.1, -0.2));
             let ab = Support::two(&params, &body, [&one, &two], [Tread::Whole; 2], 0.01);

@@ -5,7 +5,7 @@
 use crate::model::Role;
 use crate::model::Scenario;
 use crate::model::scenario::{
-    Base, Carry, Character, Crouch, Direction, Feet, Ground, Marker, Push, Stand, Throw, Turn, Walk,
+    Base, Carry, Character, Crouch, Direction, Feet, Ground, Marker, Push, Stand, Stepper, Throw, Turn, Walk,
 };
 use crate::model::sweep::BakeSettings;
 use std::collections::BTreeMap;
@@ -78,6 +78,8 @@ pub enum Edit {
     Character(Character),
     /// The ground.
     Ground(Ground),
+    /// Which of the paper's variants the stepper is.
+    Stepper(Stepper),
     /// The clip under the reaction.
     Base(Option<Base>),
     /// One more, at the end of its lane.
@@ -274,6 +276,7 @@ impl Document {
             Edit::Seed(seed) => self.scenario.seed = seed,
             Edit::Character(character) => self.scenario.character = character,
             Edit::Ground(ground) => self.scenario.ground = ground,
+            Edit::Stepper(stepper) => self.scenario.stepper = stepper,
             Edit::Base(base) => self.scenario.base = base,
             Edit::Scenario(scenario) => self.scenario = *scenario,
             Edit::Markers(markers) => self.scenario.marker = markers,

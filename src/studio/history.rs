@@ -111,6 +111,7 @@ fn name(edit: &Edit) -> &'static str {
         Edit::Seed(_) => "change the seed",
         Edit::Character(_) => "change the character",
         Edit::Ground(_) => "change the ground",
+        Edit::Stepper(_) => "change the stepper",
         Edit::Base(_) => "change the base clip",
         Edit::Add(_) => "add an entry",
         Edit::Replace(..) => "change an entry",

@@ -8,7 +8,7 @@
 
 use glam::DVec3;
 use std::path::PathBuf;
-use surefoot::model::scenario::{Ground, GroundKind, Walk};
+use surefoot::model::scenario::{Ground, GroundKind, Stepper, Walk};
 use surefoot::model::{Physique, Terrain};
 use surefoot::picture::plot::{Colour, Line, Panel, Plot, svg};
 use surefoot::sim::{Script, SessionPush, SimulateOptions, Trace, simulate};
@@ -28,7 +28,10 @@ struct Case {
 
 fn main() {
     let file = std::env::args().skip(1).find(|word| word.ends_with(".svg")).map(PathBuf::from);
-    let bare = Style { ankle_feedback: false, leg_change: false, ..Style::default() };
+    let bare = Style {
+        variant: Stepper { ankle_feedback: false, leg_change: false, ..Stepper::default() },
+        ..Style::default()
+    };
     let mut panels = Vec::new();
     println!("{:<34} {:>22} {:>22}", "steady error; back within 10 %", "whole controller", "bare pendulum");
     for case in cases() {

@@ -5,6 +5,7 @@ pub mod fields;
 pub mod outcome;
 pub mod rig;
 pub mod scene;
+pub mod stepper;
 
 use super::command::Command;
 use super::state::State;
@@ -28,6 +29,7 @@ pub fn ui(ui: &mut egui::Ui, state: &State) -> Vec<Command> {
             scene::character(ui, document, state.rig.as_deref(), &mut commands)
         });
         section(ui, "ground", "Ground", false, |ui| scene::ground(ui, document, &mut commands));
+        section(ui, "stepper", "Stepper", false, |ui| stepper::ui(ui, document.scenario.stepper, &mut commands));
         section(ui, "base", "Base clip", false, |ui| scene::base(ui, document, state.rig.as_deref(), &mut commands));
         section(ui, "rig", "Rig", false, |ui| rig::ui(ui, state, &mut commands));
         section(ui, "bake", "Bake", false, |ui| scene::bake(ui, document, &mut commands));

@@ -1,0 +1,102 @@
+//! The paper's variants of the stepper, as a scenario's `[stepper]` chooses them: what each changes in what a person is given.
+
+use crate::common::builtin;
+use rayon::prelude::*;
+use surefoot::bake::{BakeError, BakeOptions, Baked, Drive, Helped, bake, perform_by};
+use surefoot::maths::seed::Seed;
+use surefoot::model::Scenario;
+use surefoot::model::scenario_text::parse;
+use surefoot::ragdoll::control::Assist;
+use surefoot::sim::Trace;
+
+/// A shove of so many N s in 0.2 s, to that side, by a stepper of those keys.
+fn shoved(keys: &str, impulse: f64, toward: f64, duration: f64) -> Scenario {
+    let text = format!(
+        "duration = {duration}\n[stepper]\n{keys}\n[[push]]\nstart = 0.6\nduration = 0.2\nforce = {}\ntoward = {toward}\n",
+        impulse / 0.2
+    );
+    parse("shoved", &text).unwrap_or_else(|errors| panic!("{errors}"))
+}
+
+fn traced(scenario: &Scenario) -> Trace {
+    perform_by(&builtin().body, scenario, 0, Drive::Stepper).expect("it runs").trace
+}
+
+/// The steps of 16 seeded shoves from all around, and how many of them fall.
+fn steps(keys: &str, impulses: [f64; 2]) -> (usize, usize) {
+    let mut draw = Seed::new(11);
+    let cases: Vec<(f64, f64)> =
+        (0..16).map(|_| (draw.between(impulses[0], impulses[1]), draw.between(0.0, 360.0))).collect();
+    let runs: Vec<Trace> =
+        cases.par_iter().map(|(impulse, toward)| traced(&shoved(keys, *impulse, *toward, 3.0))).collect();
+    (runs.iter().map(|run| run.steps.len()).sum(), runs.iter().filter(|run| run.lost.is_some()).count())
+}
+
+#[test]
+fn who_walks_without_ankle_feedback_touches_the_ground_in_points() {
+    let moving = |keys: &str| {
+        let text = format!("duration = 6\n[stepper]\n{keys}\n[[walk]]\nstart = 0.2\nspeed = 1.0\n");
+        let run = traced(&parse("walk", &text).unwrap_or_else(|errors| panic!("{errors}")));
+        assert!(run.lost.is_none() && run.steps.len() >= 8, "{} steps", run.steps.len());
+        let ticks = &run.ticks[200..];
+        let moved = ticks.windows(2).filter(|pair| pair[0].cop.distance(pair[1].cop) > 1e-4).count();
+        moved as f64 / ticks.len() as f64
+    };
+    let (rolls, bare) = (moving(""), moving("ankle_feedback = false"));
+    assert!(rolls > 0.8 && bare < 0.1, "the pressure moves in {rolls} and {bare} of the ticks");
+}
+
+#[test]
+fn the_area_under_a_foot_decides_how_much_is_swayed_out() {
+    let of = |support: &str| steps(&format!("support = \"{support}\""), [15.0, 45.0]).0;
+    let [soles, circles] = ["soles", "circles"].map(of);
+    assert!(soles < circles, "{soles} steps on soles, {circles} on circles");
+}
+
+#[test]
+fn who_waits_for_the_bare_projection_steps_later_and_falls_more() {
+    let first = |trigger: &str| {
+        let run = traced(&shoved(&format!("trigger = \"{trigger}\""), 70.0, 0.0, 3.0));
+        run.steps.first().expect("a step").lift
+    };
+    assert!(first("projected") > first("extrapolated") + 0.05);
+    let of = |trigger: &str| steps(&format!("trigger = \"{trigger}\""), [110.0, 170.0]).1;
+    assert!(of("projected") > of("extrapolated"));
+}
+
+#[test]
+fn legs_give_by_their_springs_and_not_at_all_where_they_may_not_change() {
+    let dips = |keys: &str| {
+        let run = traced(&shoved(keys, 70.0, 0.0, 3.0));
+        let heights = || run.ticks.iter().map(|tick| tick.com.y);
+        heights().fold(0.0, f64::max) - heights().fold(f64::INFINITY, f64::min)
+    };
+    let [plain, soft, stiff, none] = ["", "spring = 0.25", "spring = 4", "leg_change = false"].map(dips);
+    assert!(none < 1e-9, "{none} m");
+    assert!(plain > 0.01 && (soft - plain).abs() > 1e-3 && (stiff - plain).abs() > 1e-4, "{soft} {plain} {stiff} m");
+}
+
+#[test]
+fn a_pull_moves_the_foothold_as_far_as_its_bias_says() {
+    let landed = |bias: f64| {
+        let text = format!(
+            "duration = 4\n[stepper]\npull_bias = {bias}\n[[pull]]\nstart = 0.5\nduration = 3\nforce = 110\ntoward = 0\n"
+        );
+        let run = traced(&parse("pulled", &text).unwrap_or_else(|errors| panic!("{errors}")));
+        run.steps.first().expect("it is pulled off its feet").to.ankle.z
+    };
+    let [none, usual, twice] = [0.0, 0.4, 0.8].map(landed);
+    assert!(none + 0.005 < usual && usual + 0.005 < twice, "{none} {usual} {twice} m");
+}
+
+#[test]
+fn the_body_says_that_it_does_not_heed_them_and_auto_takes_the_stepper() {
+    let scenario = shoved("trigger = \"projected\"", 40.0, 0.0, 3.0);
+    let by = |drive: Drive| -> Result<Baked, BakeError> {
+        bake(&builtin(), &scenario, &BakeOptions { drive, ..BakeOptions::default() })
+    };
+    let refused = by(Drive::Ragdoll(Helped::Within(Assist::default()))).expect_err("it cannot yet").to_string();
+    assert!(refused.contains("[stepper]"), "{refused}");
+    let chosen = by(Drive::Auto(Helped::Auto)).expect("it bakes").choice.expect("a choice");
+    assert!(chosen.why.contains("[stepper]"), "{}", chosen.why);
+}
