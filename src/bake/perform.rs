@@ -60,6 +60,8 @@ pub struct Performance {
     pub balls: Vec<Ball>,
     /// The stand that the stepper knew.
     pub physique: Physique,
+    /// The scenario's dials of the stepper.
+    pub style: Style,
     /// The articulated body's run, where it drove.
     pub articulated: Option<ragdoll::Driven>,
     /// m, the farthest that the ZMP was out of the support before each pass of the filter.
@@ -98,7 +100,8 @@ pub fn perform_over(
     let physique = stand::physique(body, &anatomy);
     let physique = over.as_ref().map_or(physique, |over| over.physique(&physique));
     let (carried, loads) = carried::carried(body, &anatomy, scenario);
-    let options = SimulateOptions { duration: scenario.duration, style: style(scenario), ..SimulateOptions::default() };
+    let style = style(scenario);
+    let options = SimulateOptions { duration: scenario.duration, style, ..SimulateOptions::default() };
     let most = ((options.duration + options.extra) / options.dt).ceil() as usize + 2;
     let physiques = carried::physiques(body, &anatomy, (&carried, &loads), options.dt, most);
     let mut script = Script { physiques, ..Script::of(scenario, Vec::new()) };
@@ -278,7 +281,18 @@ pub fn perform_over(
         lost = Some(timeline.stands());
     }
     let contacts = timeline.feet.contacts(timeline.stands());
-    Ok(Performance { timeline, trace, lost, contacts, pushes, balls, physique, zmp_before_pass, articulated: None })
+    Ok(Performance {
+        timeline,
+        trace,
+        lost,
+        contacts,
+        pushes,
+        balls,
+        physique,
+        style,
+        zmp_before_pass,
+        articulated: None,
+    })
 }
 
 /// The lowering and the bends in the air that each other need: the swinging legs' mass moves the hips, and a hip that is lowered takes
@@ -412,7 +426,7 @@ fn upper_body(
 }
 
 /// The stepper's dials from the scenario's.
-fn style(scenario: &Scenario) -> Style {
+pub(super) fn style(scenario: &Scenario) -> Style {
     let character = &scenario.character;
     Style {
         variant: scenario.stepper,

@@ -20,6 +20,7 @@ mod scenario_forms;
 mod scenario_lane_rules;
 mod scenario_reader;
 pub mod scenario_rules;
+mod scenario_tables;
 pub mod scenario_text;
 pub mod scenario_write;
 pub mod schema;

@@ -26,7 +26,7 @@ const LATER: f64 = 10.0;
 const JUMP: f64 = 0.5;
 const STEP: f64 = 0.1;
 const LATE: f64 = 1.0;
-/// More steps than people take: two or three against shoves that move a person, seldom four (Maki and McIlroy 1997).
+/// Steps: two catch a shove (Hof 2010: at most two), and as many again set the feet side by side.
 const MANY: f64 = 4.0;
 /// Candidates at a decision and ticks in all, by effort.
 const EFFORTS: [(usize, usize); 4] = [(0, 0), (28, 8_000), (120, 40_000), (2_000, 3_000_000)];

@@ -8,6 +8,9 @@ use crate::maths::real;
 use crate::model::scenario::SupportModel;
 use glam::{DVec2, DVec3};
 
+/// Corners of a round outline: it is 0.2 % of the radius too small.
+const ROUND: usize = 48;
+
 /// The part of a sole that carries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tread {
@@ -77,6 +80,20 @@ impl Support {
         let (on_edge, inside) = self.edge(point);
         let gap = point.distance(on_edge);
         if inside || gap <= self.radius { point } else { on_edge + (point - on_edge) * (self.radius / gap) }
+    }
+
+    /// The outline, counter-clockwise seen with x to the right and z up; what is round as [`ROUND`] corners.
+    pub fn outline(&self) -> Vec<DVec2> {
+        let corners = &self.corners[..self.count];
+        if self.radius <= 0.0 {
+            return corners.to_vec();
+        }
+        let farthest = |toward: DVec2| {
+            let corner = corners.iter().copied().max_by(|a, b| a.dot(toward).total_cmp(&b.dot(toward)));
+            corner.unwrap_or_default() + self.radius * toward
+        };
+        let step = std::f64::consts::TAU / ROUND as f64;
+        (0..ROUND).map(|at| farthest(DVec2::new(real::cos(at as f64 * step), real::sin(at as f64 * step)))).collect()
     }
 
     /// The nearest point on the polygon's outline, and whether the point is inside of it.

@@ -3,7 +3,7 @@
 //! The stepper has no part in it.
 
 use super::{Played, Run};
-use crate::bake::perform::{Performance, check};
+use crate::bake::perform::{Performance, check, style};
 use crate::bake::ragdoll::{self, Driven, Helped};
 use crate::bake::timeline::Timeline;
 use crate::bake::{BakeError, carried, pushes, throws};
@@ -49,6 +49,7 @@ pub fn perform(
         pushes,
         balls,
         physique,
+        style: style(scenario),
         zmp_before_pass: Vec::new(),
         articulated: Some(driven),
     })

@@ -5,16 +5,18 @@
 
 use crate::bake::Baked;
 use crate::bake::contacts::FootContact;
-use crate::maths::hull::{convex_hull, signed_distance};
+use crate::maths::hull::convex_hull;
 use crate::maths::pendulum::{GRAVITY, rate};
 use crate::measure::{KnownPush, PushPoint};
 use crate::model::report::Part;
-use crate::model::{Body, Plant, Side, Terrain};
+use crate::model::scenario::Trigger;
+use crate::model::{Body, Physique, Plant, Side, Terrain};
 use crate::picture::figure::flat;
 use crate::picture::marks::placed_mark;
 use crate::picture::{Overlay, Push, SoleMark};
 use crate::rig::Rig;
-use crate::stepper::{Params, Style};
+use crate::stepper::support::Tread;
+use crate::stepper::{Params, Support};
 use glam::{DQuat, DVec2, DVec3};
 
 /// s, contacts of a foot that are nearer to each other leave one print.
@@ -41,16 +43,17 @@ pub struct Marks {
     pub ground: f64,
 }
 
-/// The paper's three regions: within the inner one nothing is to do, up to the outline the ankles hold, beyond it is stepped.
+/// The paper's three regions, as the scenario's dials and `[stepper]` have them: within the inner one nothing is to do, up to the outline
+/// the ankles hold, beyond it is stepped.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Regions {
-    /// m, where ξ should be.
+    /// m, where ξ, or what else is the trigger, should be.
     pub middle: DVec3,
     /// m, the inner region's radius.
     pub inner: f64,
     /// Outline of the middle region.
     pub sway: Vec<DVec3>,
-    /// Where ξ is now.
+    /// Where it is now.
     pub now: Region,
 }
 
@@ -80,10 +83,8 @@ pub struct Tracks {
     /// Pushes, and the point that each acts on every `dt` from its start.
     pushes: Vec<(KnownPush, Vec<DVec3>)>,
     terrain: Terrain,
-    /// m.
-    inner: f64,
-    outer: f64,
-    ahead: f64,
+    params: Params,
+    physique: Physique,
 }
 
 impl Marks {
@@ -100,7 +101,6 @@ impl Tracks {
         let timeline = &performance.timeline;
         let body = &timeline.body;
         let mark = |contact: &FootContact| (*contact, sole(body, contact.side, contact.part, &contact.plant));
-        let params = Params::new(&performance.physique, &Style::default());
         Tracks {
             dt: timeline.dt,
             com: timeline.centres(),
@@ -109,9 +109,8 @@ impl Tracks {
             stands: stands(body, &performance.contacts),
             pushes: performance.pushes.iter().map(|push| (*push, points(baked, push))).collect(),
             terrain: timeline.terrain.clone(),
-            inner: params.inner,
-            outer: params.outer,
-            ahead: params.com_forward,
+            params: Params::new(&performance.physique, &performance.style),
+            physique: performance.physique,
         }
     }
 
@@ -134,7 +133,7 @@ impl Tracks {
         let support = hull_on(&corners);
         let xi = self.xi(index, ground);
         Marks {
-            regions: self.regions(&held, turn, &support, xi),
+            regions: self.regions(&held, turn, flat(com), xi),
             overlay: Overlay {
                 com: Some(com),
                 xi: Some(xi),
@@ -182,24 +181,34 @@ impl Tracks {
         flat(com) + velocity / rate((com.y - ground).max(0.05)).max(0.1 * GRAVITY.sqrt())
     }
 
-    fn regions(&self, held: &[&(FootContact, SoleMark)], turn: DQuat, support: &[DVec3], xi: DVec2) -> Option<Regions> {
-        if held.is_empty() || support.len() < 3 {
-            return None;
-        }
-        let count = held.len() as f64;
-        let ankles = held.iter().map(|(contact, _)| turn * contact.plant.ankle).sum::<DVec3>() / count;
-        let ahead = held.iter().map(|(contact, _)| DVec2::from_angle(contact.plant.yaw)).sum::<DVec2>();
-        let ahead = ahead.normalize_or(DVec2::X);
-        let middle = ankles + DVec3::new(ahead.y, 0.0, ahead.x) * self.ahead;
-        let outline: Vec<DVec2> = support.iter().map(|point| flat(*point)).collect();
-        let now = if xi.distance(flat(middle)) < self.inner {
+    /// Around the feet that hold; `None` in the air. The trigger is ξ or the centre of mass above the ground.
+    fn regions(&self, held: &[&(FootContact, SoleMark)], turn: DQuat, com: DVec2, xi: DVec2) -> Option<Regions> {
+        let plants: Vec<&Plant> = held.iter().map(|(contact, _)| &contact.plant).collect();
+        let (params, physique) = (&self.params, &self.physique);
+        let area = |margin: f64| match plants[..] {
+            [one] => Some(Support::one(params, physique, one, Tread::Whole, margin)),
+            [left, right] => Some(Support::two(params, physique, [left, right], [Tread::Whole; 2], margin)),
+            _ => None,
+        };
+        let ahead = plants.iter().map(|plant| DVec2::from_angle(plant.yaw)).sum::<DVec2>().normalize_or(DVec2::X);
+        let ankles = plants.iter().map(|plant| plant.ankle).sum::<DVec3>() / plants.len().max(1) as f64;
+        let middle = turn * (ankles + DVec3::new(ahead.y, 0.0, ahead.x) * params.com_forward);
+        let trigger = match params.trigger {
+            Trigger::Extrapolated => xi,
+            Trigger::Projected => com,
+        };
+        // The areas lie in the ground's own frame.
+        let on_ground = |point: DVec2| turn * level_with(&plants, point);
+        let seen = turn.inverse() * DVec3::new(trigger.x, middle.y, trigger.y);
+        let now = if trigger.distance(flat(middle)) < params.inner {
             Region::Rest
-        } else if signed_distance(&outline, xi) + self.outer <= 0.0 {
+        } else if area(0.0)?.outside(flat(seen)) + params.outer <= 0.0 {
             Region::Sway
         } else {
             Region::Step
         };
-        Some(Regions { middle, inner: self.inner, sway: support.to_vec(), now })
+        let sway = area(params.outer)?.outline().into_iter().map(on_ground).collect();
+        Some(Regions { middle, inner: params.inner, sway, now })
     }
 
     fn trail(&self, index: usize, ground: f64) -> Vec<DVec3> {
@@ -265,6 +274,17 @@ fn stands(body: &Body, contacts: &[FootContact]) -> Vec<(f64, f64, SoleMark)> {
     stands
 }
 
+/// The point of the ground under a foot's plane, of the nearest foot.
+fn level_with(plants: &[&Plant], point: DVec2) -> DVec3 {
+    let far = |plant: &&&Plant| flat(plant.ankle).distance_squared(point);
+    let nearest = plants.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
+    let height = nearest.map_or(0.0, |plant| {
+        let (to, normal) = (point - flat(plant.ankle), plant.normal);
+        plant.ankle.y - (normal.x * to.x + normal.z * to.y) / normal.y.max(0.1)
+    });
+    DVec3::new(point.x, height, point.y)
+}
+
 /// A mark turned about the origin.
 fn carried(mark: &SoleMark, turn: DQuat) -> SoleMark {
     if turn == DQuat::IDENTITY {
@@ -286,12 +306,39 @@ mod tests {
     use super::*;
     use crate::bake::{BakeOptions, bake};
     use crate::model::Scenario;
+    use crate::model::scenario::SupportModel;
     use crate::rig;
+
+    fn mannequin() -> Rig {
+        let none = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
+        rig::load_bytes("builtin", rig::mannequin::BUILTIN, &none, None).expect("the rig inside")
+    }
+
+    #[test]
+    fn regions_are_those_of_the_scenario() {
+        let rig = mannequin();
+        let at_rest = |change: &dyn Fn(&mut Scenario)| {
+            let mut scenario = Scenario { duration: 1.0, ..Scenario::default() };
+            change(&mut scenario);
+            let baked = bake(&rig, &scenario, &BakeOptions::default()).expect("a stand bakes");
+            Tracks::new(&baked).at(0.5).regions.expect("both feet are down")
+        };
+        let wide = |regions: &Regions| {
+            let across = regions.sway.iter().map(|point| point.x);
+            across.clone().fold(f64::MIN, f64::max) - across.fold(f64::MAX, f64::min)
+        };
+        let people = at_rest(&|_| ());
+        assert_eq!(people.sway.len(), 6, "two soles side by side: {:?}", people.sway);
+        let ready = at_rest(&|scenario| scenario.character.style.readiness = 1.0);
+        let narrower = wide(&people) - wide(&ready);
+        assert!((0.02..0.08).contains(&narrower), "who is ready steps {narrower} m before the edge");
+        let circles = at_rest(&|scenario| scenario.stepper.support = SupportModel::Circles);
+        assert!(circles.sway.len() > 20 && wide(&circles) > wide(&people), "{:?}", circles.sway);
+    }
 
     #[test]
     fn marks_of_a_shove_tell_its_feet_its_push_and_where_it_goes() {
-        let none = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
-        let rig = rig::load_bytes("builtin", rig::mannequin::BUILTIN, &none, None).expect("the rig inside");
+        let rig = mannequin();
         let scenario = Scenario::demo();
         let baked = bake(&rig, &scenario, &BakeOptions::default()).expect("the demo bakes");
         let tracks = Tracks::new(&baked);
