@@ -82,6 +82,8 @@ mod limits_grid;
 mod looped;
 /// What the measures say of a walk over force plates.
 mod measure;
+/// Grounds of triangles: kerbs, ramps, steps, ledges, walls; files that are broken.
+mod mesh_ground;
 /// The articulated body in the mirror: a scenario and its mirror image.
 mod mirrored;
 /// Clips of every kind: sizes, ways, feet, writing back.

@@ -91,21 +91,32 @@ impl FootCurves {
         self.feet[side as usize].room(time, dt)
     }
 
+    /// Raises the swings over a mesh again, for feet that were turned since.
+    pub(super) fn clear_a_mesh(&mut self) {
+        if matches!(self.terrain.kind, GroundKind::Mesh { .. }) {
+            self.clear_the_ground();
+        }
+    }
+
     /// Raises the swings over what lies between their plants.
     fn clear_the_ground(&mut self) {
         let FootCurves { feet, terrain, .. } = self;
-        if !matches!(terrain.kind, GroundKind::Stairs { .. } | GroundKind::Uneven { .. }) {
+        let mesh = matches!(terrain.kind, GroundKind::Mesh { .. });
+        if !mesh && !matches!(terrain.kind, GroundKind::Stairs { .. } | GroundKind::Uneven { .. }) {
             return;
         }
         for path in feet {
             for number in 0..path.swings.len() {
                 path.swings[number].raise = Raise::NONE;
                 let swing = path.swings[number];
+                if mesh && path.over_a_plane(&swing, terrain) {
+                    continue;
+                }
                 let way = swing.to.ankle - swing.from.ankle;
                 let way = DVec2::new(way.x, way.z).normalize_or_zero();
                 path.swings[number].raise = Raise::over(terrain, way, swing.clearance, &|u, points| {
                     let time = swing.lift + (swing.land - swing.lift) * u;
-                    path.sole_points(&path.flight(&swing, time, terrain), points);
+                    path.sole_points(&path.flown(&swing, time, terrain), points);
                 });
             }
         }

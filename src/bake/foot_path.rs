@@ -4,7 +4,7 @@
 //! rearmost sole point), and in the air that same pivot flies from plant to plant: so nothing slides, and position and speed are
 //! continuous at lift. Pitch is positive with the heel up. Where a rig has no toes the foot turns about the tip of its sole.
 
-use super::clearance;
+use super::clearance::{self, Raise};
 use super::contacts::FootContact;
 use super::swing::{Extra, Swing};
 use crate::maths::curve::{bump, smooth3, trapezoid};
@@ -18,6 +18,9 @@ use glam::{DQuat, DVec2, DVec3};
 
 /// m, from which height on a step is one of stairs.
 const STAIR: f64 = 0.05;
+/// Moments of a swing at which the ground under it is looked at, and m that it may be off a plane: what a millimetre's raise is not worth.
+const LOOKS: u32 = 16;
+const PLANE: f64 = 1e-3;
 /// rad, how far the heel of a foot in contact comes up at most.
 pub(super) const MOST_PITCH: f64 = 45.0 * std::f64::consts::PI / 180.0;
 /// rad, the farthest that a foot turns out of its curve for its ankle.
@@ -191,7 +194,23 @@ impl FootPath {
         [-most(-1.0), most(1.0)]
     }
 
-    pub(super) fn flight(&self, swing: &Swing, time: f64, terrain: &Terrain) -> FootTarget {
+    /// In the air: no part of the sole goes under the ground on the way.
+    fn flight(&self, swing: &Swing, time: f64, terrain: &Terrain) -> FootTarget {
+        let mut target = self.flown(swing, time, terrain);
+        // Edges and bumps are cleared by the raise; of a mesh's it may leave a centimetre.
+        if !matches!(terrain.kind, GroundKind::Stairs { .. } | GroundKind::Uneven { .. }) {
+            let roll = self.extra.at(time)[1];
+            let mut points = Vec::with_capacity(self.soles.len());
+            self.sole_points(&target, &mut points);
+            let over = |point: &DVec3| point.y - terrain.spot(DVec2::new(point.x, point.z)).height;
+            let lowest = points.iter().map(over).fold(f64::INFINITY, f64::min);
+            target.ankle.y += (-lowest - EDGE_SINK.min(EDGE_SINK * roll.abs() / EDGE_ROLL)).max(0.0);
+        }
+        target
+    }
+
+    /// The same whatever the ground under it.
+    pub(super) fn flown(&self, swing: &Swing, time: f64, terrain: &Terrain) -> FootTarget {
         let u = swing.along(time);
         let [extra, roll] = self.extra.at(time);
         let pitch = swing.pitch(time) + extra;
@@ -211,6 +230,7 @@ impl FootPath {
             GroundKind::Stairs { .. } if (last.y - first.y).abs() > STAIR => {
                 clearance::stair(u, last.y > first.y).into()
             }
+            GroundKind::Mesh { .. } if risen(swing).abs() > STAIR => clearance::stair(u, risen(swing) > 0.0).into(),
             _ => (go, go),
         };
         let mut pivot = first + (last - first) * DVec3::new(over, up, over) + swing.aside * bump(u);
@@ -231,16 +251,24 @@ impl FootPath {
         let toe = if self.has_toe { turned(&between, pitch * straight) * toes_rolled } else { turn };
         let ankle = pivot - turn * self.pivot;
         let mut target = self.pose(ankle, yaw, turn, toe);
-        // No part of the sole goes under the ground on the way; edges and bumps are cleared by the raise.
-        if !matches!(terrain.kind, GroundKind::Stairs { .. } | GroundKind::Uneven { .. }) {
-            let mut points = Vec::with_capacity(self.soles.len());
-            self.sole_points(&target, &mut points);
-            let over = |point: &DVec3| point.y - terrain.spot(DVec2::new(point.x, point.z)).height;
-            let lowest = points.iter().map(over).fold(f64::INFINITY, f64::min);
-            target.ankle.y += (-lowest - EDGE_SINK.min(EDGE_SINK * roll.abs() / EDGE_ROLL)).max(0.0);
-        }
         target.soft = bump(u).sqrt();
         target
+    }
+
+    /// Is the ground under a swing the plane of both its plants? Then nothing is in the way.
+    pub(super) fn over_a_plane(&self, swing: &Swing, terrain: &Terrain) -> bool {
+        let mut points = Vec::with_capacity(self.soles.len());
+        let off = |point: &DVec3, plant: &Plant| {
+            let spot = terrain.spot(DVec2::new(point.x, point.z));
+            let from = DVec3::new(point.x, spot.height, point.z) - plant.ankle;
+            if spot.holds { from.dot(plant.normal).abs() } else { f64::INFINITY }
+        };
+        (0..=LOOKS).all(|index| {
+            let u = f64::from(index) / f64::from(LOOKS);
+            let flown = Swing { raise: Raise::NONE, ..*swing };
+            self.sole_points(&self.flown(&flown, swing.lift + (swing.land - swing.lift) * u, terrain), &mut points);
+            points.iter().all(|point| off(point, &swing.from) < PLANE && off(point, &swing.to) < PLANE)
+        })
     }
 
     /// m, the sole's vertices of a target.
@@ -275,6 +303,13 @@ impl FootPath {
         }
         push(Part::Flat, flat_from, end, plant);
     }
+}
+
+/// m, by how much a swing goes up beyond what the planes of its plants say: over a riser and not along a slope.
+fn risen(swing: &Swing) -> f64 {
+    let way = swing.to.ankle - swing.from.ankle;
+    let grade = |plant: &Plant| -(plant.normal.x * way.x + plant.normal.z * way.z) / plant.normal.y.max(0.1);
+    way.y - 0.5 * (grade(&swing.from) + grade(&swing.to))
 }
 
 /// The levelled foot that points along +Z, set on the plane of a plant and pitched, rad.

@@ -8,11 +8,12 @@ use super::timeline::Timeline;
 use crate::maths::curve::smooth3;
 use crate::maths::real;
 use crate::measure::joints::LegAngles;
+use crate::model::lie::plane_of;
 use crate::model::scenario::GroundKind;
 use crate::model::{Body, FootShape, Side, Terrain};
 use crate::stepper::{Physique, Plant, Step, StepKind};
 use crate::whole_body::solve::Solved;
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 
 /// s, standard deviation of the smoothing of the ground's height under the body.
 const SMOOTHING: f64 = 0.2;
@@ -69,8 +70,8 @@ pub fn sooner(steps: &[Step], physique: &Physique, cop: &[DVec2], dt: f64, scale
 /// the other, if it takes no more than the third to bring it there.
 const CROSSES: [f64; 3] = [0.1, 0.302, 0.063];
 
-/// Plants of feet that cross, with room between the shanks.
-pub(super) fn roomier(start: &[Plant; 2], steps: &mut [Step], physique: &Physique) {
+/// Plants of feet that cross, with room between the shanks; on ground that is not flat, where it is as level there.
+pub(super) fn roomier(body: &Body, terrain: &Terrain, start: &[Plant; 2], steps: &mut [Step], physique: &Physique) {
     let [near, room, most] = CROSSES.map(|part| part * physique.leg_length);
     for number in 0..steps.len() {
         let step = steps[number];
@@ -84,6 +85,10 @@ pub(super) fn roomier(start: &[Plant; 2], steps: &mut [Step], physique: &Physiqu
             continue;
         }
         let more = ahead * (before.signum() * (room - before.abs()).max(0.0));
+        let moved = Plant { ankle: step.to.ankle + more, ..step.to };
+        if !terrain.is_flat() && !as_level(&body.feet[step.side as usize], terrain, &moved) {
+            continue;
+        }
         steps[number].to.ankle += more;
         if let Some(next) = steps[number + 1..].iter_mut().find(|next| next.side == step.side) {
             next.from.ankle += more;
@@ -138,6 +143,15 @@ pub(super) fn spare_legs(timeline: &mut Timeline, legs: &LegAngles, solved: &[So
     any
 }
 
+/// Is the whole sole carried there by ground that lies as the plant does?
+fn as_level(foot: &FootShape, terrain: &Terrain, plant: &Plant) -> bool {
+    let at = DVec2::new(plant.ankle.x, plant.ankle.z);
+    let points: Vec<DVec2> = sole(foot, plant).collect();
+    terrain.lie(at, &points).is_some_and(|lie| {
+        lie.held >= 1.0 && (lie.height - plant.ankle.y).abs() < 1e-3 && lie.normal.dot(plant.normal) > 1.0 - 1e-6
+    })
+}
+
 fn plant_on(foot: &FootShape, terrain: &Terrain, plant: &Plant) -> Plant {
     let at = DVec2::new(plant.ankle.x, plant.ankle.z);
     let here =
@@ -162,19 +176,19 @@ fn plant_on(foot: &FootShape, terrain: &Terrain, plant: &Plant) -> Plant {
             here(at + DVec2::Y * free, tread, DVec3::Y)
         }
         GroundKind::Uneven { .. } => {
-            // Least squares of height = a + b x + c z over the sole.
-            let (mut normal, mut right) = (DMat3::ZERO, DVec3::ZERO);
-            for offset in sole(foot, plant) {
-                let row = DVec3::new(1.0, offset.x, offset.y);
-                normal += DMat3::from_cols(row * row.x, row * row.y, row * row.z);
-                right += row * terrain.spot(at + offset).height;
-            }
-            if normal.determinant().abs() < 1e-12 {
+            let points: Vec<DVec3> = sole(foot, plant)
+                .map(|offset| DVec3::new(offset.x, terrain.spot(at + offset).height, offset.y))
+                .collect();
+            let Some([height, x, z]) = plane_of(&points) else {
                 let spot = terrain.spot(at);
                 return here(at, spot.height, spot.normal);
-            }
-            let plane = normal.inverse() * right;
-            here(at, plane.x, DVec3::new(-plane.y, 1.0, -plane.z).normalize())
+            };
+            here(at, height, DVec3::new(-x, 1.0, -z).normalize())
+        }
+        GroundKind::Mesh { .. } => {
+            let points: Vec<DVec2> = sole(foot, plant).collect();
+            // Over nothing at all it stays as high as it was set.
+            terrain.lie(at, &points).map_or(*plant, |lie| here(at, lie.height, lie.normal))
         }
     }
 }
@@ -352,7 +366,7 @@ mod tests {
                 step(Side::Left, 0.5, start[0], at(0.45, z)),
                 step(Side::Right, 0.9, at(0.27, z), at(0.26, z)),
             ];
-            roomier(&start, &mut steps, &physique);
+            roomier(&crate::measure::fixture::body(), &Terrain::flat(), &start, &mut steps, &physique);
             steps
         };
         let steps = crossed(0.20);

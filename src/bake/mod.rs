@@ -48,10 +48,11 @@ pub use ragdoll::{Drive, Helped};
 pub use root_motion::RootMotion;
 
 use crate::measure::Findings;
-use crate::model::scenario::Scenario;
-use crate::model::{Body, Clip, ClipReport, Prop};
+use crate::model::scenario::{GroundKind, Scenario};
+use crate::model::{Body, Clip, ClipReport, Prop, Terrain};
 use crate::rig::Rig;
 use crate::sim::Ahead;
+use glam::DVec2;
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -130,6 +131,12 @@ pub enum BakeError {
         /// And what would give one.
         why: String,
     },
+    /// There is nothing to stand on.
+    #[error("[ground]: {what}")]
+    NoGround {
+        /// What of it is missing, and what would be right.
+        what: String,
+    },
     /// The articulated body cannot play that yet.
     #[error("the ragdoll cannot play {parts} yet; bake with `--drive stepper`")]
     Unplayed {
@@ -156,6 +163,16 @@ impl Default for BakeOptions {
 
 /// Runs the scenario on the rig and bakes the clip.
 pub fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions) -> Result<Baked, BakeError> {
+    if let GroundKind::Mesh { file, surface, .. } = &scenario.ground.kind {
+        let lacks = match surface {
+            None => Some("was not read: lay its triangles into the scenario's ground first"),
+            Some(_) if !Terrain::new(&scenario.ground).spot(DVec2::ZERO).holds => Some("has nothing under the start"),
+            Some(_) => None,
+        };
+        if let Some(lacks) = lacks {
+            return Err(BakeError::NoGround { what: format!("{file} {lacks}") });
+        }
+    }
     match options.drive {
         Drive::Auto(helped) => auto::bake(rig, scenario, options, helped),
         drive => bake_by(rig, scenario, options, drive),

@@ -161,8 +161,8 @@ pub fn perform_over(
     let cop: Vec<DVec2> = ticks.iter().map(|tick| tick.cop).collect();
     let steps = footing::sooner(&steps, &physique, &cop, trace.dt, scale);
     let (start, mut steps) = footing::grounded(body, &terrain, &trace.start, &steps);
-    if terrain.is_flat() {
-        footing::roomier(&start, &mut steps, &physique);
+    if terrain.is_flat() || scenario.ground.surface().is_some() {
+        footing::roomier(body, &terrain, &start, &mut steps, &physique);
     }
     let facing = ticks.last().map_or(0.0, |tick| tick.facing);
     let busy = pushes.iter().map(|push| push.end).fold(0.0, f64::max);
@@ -246,6 +246,7 @@ pub fn perform_over(
             ankles::ease_hips(&mut timeline, &gauge, &solved, scale);
             let ease = [ankles::ease_knees, ankles::ease][pass % 2]; // each sees what the other left
             ease(&mut timeline, &gauge, &solved, scale);
+            timeline.feet.clear_a_mesh();
         }
         knees::even_knees(&mut timeline, &solved, scale, &care);
         if pass > 0 {

@@ -7,8 +7,9 @@ use super::timeline::Timeline;
 use crate::maths::real;
 use crate::model::props::{Mesh, Prop, PropKey, Shape};
 use crate::model::scenario::GroundKind;
-use crate::model::{Side, Terrain, terrain};
+use crate::model::{Side, Surface, Terrain, terrain};
 use glam::{DVec2, DVec3};
+use std::collections::BTreeSet;
 
 /// m, ground around the way.
 const AROUND: f64 = 2.0;
@@ -107,6 +108,10 @@ pub fn ground_prop(terrain: &Terrain, patch: Patch, duration: f64) -> Prop {
             mesh = rolling(terrain, patch, wavelength);
             "ground"
         }
+        GroundKind::Mesh { ref surface, ceiling, .. } => {
+            mesh = surface.as_ref().map_or_else(Mesh::default, |surface| around(surface, patch, ceiling));
+            "ground"
+        }
         GroundKind::Platform { .. } => {
             let half = 0.5 * terrain::PLATFORM_SIDE;
             mesh.cuboid(DVec3::new(-half, -2.0 * THICK, -half), DVec3::new(half, 0.0, half));
@@ -115,6 +120,27 @@ pub fn ground_prop(terrain: &Terrain, patch: Patch, duration: f64) -> Prop {
     };
     let keys = if terrain.moves() { platform_keys(terrain, duration) } else { vec![PropKey::default()] };
     Prop { ground: true, keys, ..Prop::standing(name, Shape::Mesh(mesh), STONE) }
+}
+
+/// The triangles over a patch that begin under the ceiling, as they are.
+fn around(surface: &Surface, patch: Patch, ceiling: f64) -> Mesh {
+    let near: BTreeSet<usize> = surface.near(patch.low, patch.high).collect();
+    let mut mesh = Mesh::default();
+    for corners in near.into_iter().map(|index| surface.triangles()[index]) {
+        let [a, b, c] = corners;
+        let least = |axis: usize| corners.iter().map(|corner| corner[axis]).fold(f64::INFINITY, f64::min);
+        let most = |axis: usize| corners.iter().map(|corner| corner[axis]).fold(f64::NEG_INFINITY, f64::max);
+        let beside =
+            least(0) > patch.high.x || most(0) < patch.low.x || least(2) > patch.high.y || most(2) < patch.low.y;
+        if beside || least(1) > ceiling {
+            continue;
+        }
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend(corners);
+        mesh.normals.extend([(b - a).cross(c - a).normalize_or(DVec3::Y); 3]);
+        mesh.indices.extend([first, first + 1, first + 2]);
+    }
+    mesh
 }
 
 /// A plane that rises by `grade` along Z, with upright sides.

@@ -99,13 +99,13 @@ impl Record {
     }
 }
 
-/// What decides a clip's bytes, as one word: the scenario as it is played, the name, the settings, the rig's and the base clip's
-/// files, and the version of the program.
-pub fn identity(plan: &Plan, variation: &Variation, rig: &str, base: &str, wanted: &str) -> String {
+/// What decides a clip's bytes, as one word: the scenario as it is played, the name, the settings, the files of the rig, the
+/// base clip and the ground, and the version of the program.
+pub fn identity(plan: &Plan, variation: &Variation, (rig, base, ground): (&str, &str, &str), wanted: &str) -> String {
     let mut hasher = blake3::Hasher::new();
     let settings = format!("{:?}", plan.sweep.bake);
     let text = plan.scenario_text(variation);
-    let parts = [env!("CARGO_PKG_VERSION"), rig, base, &variation.name, &settings, &text, wanted];
+    let parts = [env!("CARGO_PKG_VERSION"), rig, base, ground, &variation.name, &settings, &text, wanted];
     for part in parts {
         hasher.update(&(part.len() as u64).to_le_bytes());
         hasher.update(part.as_bytes());

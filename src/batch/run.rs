@@ -24,6 +24,8 @@ pub trait Place: Sync {
     fn rig(&self, index: usize) -> Result<Arc<Rig>, String>;
     /// The base clip of a scenario on that rig, where it has one.
     fn base(&self, variation: &Variation, rig: &Rig, scenario: &Scenario) -> Result<Option<Arc<Base>>, String>;
+    /// Lays the triangles of a scenario's ground into it, where it is a mesh.
+    fn lay(&self, variation: &Variation, scenario: &mut Scenario) -> Result<(), String>;
     /// What came of a variation that is done already.
     fn done(&self, variation: &Variation) -> Option<Measured>;
     /// Makes room for what was made of a variation; the record's identity and files are the place's to fill in.
@@ -135,7 +137,8 @@ fn make(
         None => place.rig(variation.rig)?,
     };
     *held = Some((variation.rig, Arc::clone(&rig)));
-    let scenario = plan.scenario(variation)?;
+    let mut scenario = plan.scenario(variation)?;
+    place.lay(variation, &mut scenario)?;
     let base = place.base(variation, &rig, &scenario)?;
     let settings = &plan.sweep.bake;
     let baked =

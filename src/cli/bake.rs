@@ -4,9 +4,9 @@ use super::args::{Assist, BakeArgs, Drive, Root};
 use super::progress::busy;
 use super::{parts, say, tell, travel};
 use crate::bake::{Baked, Fall};
-use crate::disk::resolve;
 use crate::disk::writer::{self, Output};
 use crate::disk::{Exit, Failure};
+use crate::disk::{level, resolve};
 use crate::export::Form;
 use crate::export::engine::{ENGINES, Engine};
 use crate::model::report::{Contact, JointTorque, Outcome, Part};
@@ -40,13 +40,15 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         )));
     }
     let mut inputs: Vec<PathBuf> = Vec::new();
-    let scenario = match &args.scenario {
+    let mut scenario = match &args.scenario {
         Some(path) => {
             inputs.push(path.clone());
             resolve::scenario(path)?
         }
         None => Scenario::demo(),
     };
+    let ground = level::lay(&mut scenario, args.scenario.as_deref())?;
+    inputs.extend(ground.iter().flat_map(|level| level.files.clone()));
     let rig = busy(&format!("reading {}", args.rig.display()), || resolve::rig(&args.rig))?;
     inputs.extend(rig.files);
     let rig = rig.rig;
@@ -56,6 +58,7 @@ pub fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         tell(&format!("warning: {warning}"));
         warnings.push(warning);
     };
+    ground.as_ref().and_then(level::left_out).into_iter().for_each(&mut warn);
     for warning in &rig.mapping.warnings {
         warn(format!("{}: {warning}", args.rig.display()));
     }

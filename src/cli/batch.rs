@@ -171,16 +171,17 @@ fn rigs(plan: &Plan, sweep: &Path) -> Result<(Vec<RigFile>, Rig), Failure> {
     Ok((files, first))
 }
 
-/// Base clips of every rig and scenario, by the first variation of each.
+/// Base clips of every rig and grounds of every scenario, by the first variation of each.
 fn check_bases(plan: &Plan, folder: &Folder) -> Result<(), Failure> {
     let mut seen = BTreeSet::new();
     for variation in plan.variations.iter().filter(|variation| seen.insert((variation.rig, variation.scenario))) {
-        let scenario = plan.scenario(variation).map_err(Failure::bad_input)?;
+        let mut scenario = plan.scenario(variation).map_err(Failure::bad_input)?;
+        let told =
+            |what: String| Failure::bad_input(format!("variation {} ({}): {what}", variation.number, variation.name));
+        folder.lay(variation, &mut scenario).map_err(told)?;
         if scenario.base.is_some() {
             let rig = folder.rig(variation.rig).map_err(Failure::bad_input)?;
-            folder.base(variation, &rig, &scenario).map_err(|what| {
-                Failure::bad_input(format!("variation {} ({}): {what}", variation.number, variation.name))
-            })?;
+            folder.base(variation, &rig, &scenario).map_err(told)?;
         }
     }
     Ok(())

@@ -5,9 +5,9 @@ use super::tell;
 use crate::batch::farm::{FarmFile, FarmJob};
 use crate::batch::{Plan, openjd, slurm};
 use crate::disk::folder::RigFile;
-use crate::disk::resolve;
 use crate::disk::writer::{self, Output};
 use crate::disk::{Exit, Failure};
+use crate::disk::{level, resolve};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -63,8 +63,11 @@ fn inputs(args: &BatchArgs, plan: &Plan, rigs: &[RigFile], scenarios: &[PathBuf]
     let mut inputs: BTreeSet<PathBuf> = scenarios.iter().cloned().collect();
     inputs.extend(rigs.iter().flat_map(|rig| rig.files.iter().cloned()));
     for variation in &plan.variations {
-        let scenario = plan.scenario(variation).map_err(Failure::bad_input)?;
+        let mut scenario = plan.scenario(variation).map_err(Failure::bad_input)?;
         let file = &scenarios[variation.scenario];
+        if level::level_file(&scenario, Some(file)).is_some_and(|path| !inputs.contains(&path)) {
+            inputs.extend(level::lay(&mut scenario, Some(file))?.into_iter().flat_map(|level| level.files));
+        }
         inputs.extend(resolve::base_file(&scenario, Some(file), &rigs[variation.rig].path)?);
     }
     inputs.remove(&args.sweep);

@@ -75,7 +75,7 @@ pub fn bake(
         effort: args.effort,
     };
     bake::bake(rig, scenario, &options).map_err(|error| match error {
-        BakeError::Unplayed { .. } | BakeError::Base(_) | BakeError::NoCycle { .. } => {
+        BakeError::Unplayed { .. } | BakeError::Base(_) | BakeError::NoCycle { .. } | BakeError::NoGround { .. } => {
             Failure::bad_input(error.to_string())
         }
         BakeError::Overdone { .. } => Failure::bad_input(format!("{}: {error}", args.rig.display())),

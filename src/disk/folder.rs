@@ -5,6 +5,7 @@
 //! one folder; what a killed one left half-written is cleared by the next that is alone there.
 
 use super::Failure;
+use super::level::{self, Level};
 use super::resolve;
 use super::staged::staged;
 use super::writer::{self, Output};
@@ -20,7 +21,7 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Prepared base clips that are kept.
+/// Prepared base clips, and meshes of grounds, that are kept.
 const MOST_BASES: usize = 8;
 
 /// A rig of the sweep.
@@ -46,6 +47,7 @@ pub struct Folder<'a> {
     inputs: Vec<PathBuf>,
     latest: Mutex<Option<(usize, Arc<Rig>)>>,
     bases: Mutex<BTreeMap<String, Arc<Base>>>,
+    levels: Mutex<BTreeMap<PathBuf, Arc<Level>>>,
     hashes: Mutex<BTreeMap<PathBuf, String>>,
     _lock: Option<File>,
 }
@@ -84,9 +86,22 @@ impl<'a> Folder<'a> {
         drop(lock.lock_shared()); // a file system without locks does without
         inputs.extend(rigs.iter().flat_map(|rig| rig.files.clone()));
         inputs.extend(scenarios.clone());
-        let (latest, bases, hashes) = Default::default();
+        let (latest, bases, levels, hashes) = Default::default();
         let dir = dir.to_owned();
-        Ok(Folder { plan, rigs, scenarios, dir, wanted, force, inputs, latest, bases, hashes, _lock: Some(lock) })
+        Ok(Folder {
+            plan,
+            rigs,
+            scenarios,
+            dir,
+            wanted,
+            force,
+            inputs,
+            latest,
+            bases,
+            levels,
+            hashes,
+            _lock: Some(lock),
+        })
     }
 
     /// The files that are never written over.
@@ -128,16 +143,43 @@ impl<'a> Folder<'a> {
     }
 
     fn identity(&self, variation: &Variation) -> Option<String> {
-        let scenario = self.plan.scenario(variation).ok()?;
+        let mut scenario = self.plan.scenario(variation).ok()?;
         let rig = &self.rigs[variation.rig];
         let file = resolve::base_file(&scenario, Some(&self.scenarios[variation.scenario]), &rig.path).ok()?;
         let base = match file {
             Some(file) if file != rig.path => self.hash_of(&file)?,
             _ => String::new(),
         };
+        let ground = match level::level_file(&scenario, Some(&self.scenarios[variation.scenario])) {
+            Some(file) => self
+                .level(file, &mut scenario)
+                .ok()?
+                .files
+                .iter()
+                .map(|file| self.hash_of(file))
+                .collect::<Option<String>>()?,
+            None => String::new(),
+        };
         let wanted = if self.wanted.pieces { "piece" } else { "file" };
         let cells = if self.wanted.cells { "with a picture" } else { "" };
-        Some(record::identity(self.plan, variation, &rig.hash, &base, &format!("{wanted} {cells}")))
+        Some(record::identity(self.plan, variation, (&rig.hash, &base, &ground), &format!("{wanted} {cells}")))
+    }
+
+    /// The mesh of a ground, read once, laid into the scenario.
+    fn level(&self, path: PathBuf, scenario: &mut Scenario) -> Result<Arc<Level>, String> {
+        let held = lock(&self.levels).get(&path).cloned();
+        if let Some(held) = held {
+            level::put(scenario, &held.surface, &path).map_err(|failure| failure.message)?;
+            return Ok(held);
+        }
+        let read = Arc::new(level::read(&path).map_err(|failure| failure.message)?);
+        level::put(scenario, &read.surface, &path).map_err(|failure| failure.message)?;
+        let mut levels = lock(&self.levels);
+        if levels.len() >= MOST_BASES {
+            levels.clear();
+        }
+        levels.insert(path, Arc::clone(&read));
+        Ok(read)
     }
 
     fn hash_of(&self, path: &Path) -> Option<String> {
@@ -184,6 +226,13 @@ impl Place for Folder<'_> {
             bases.insert(key, Arc::clone(base));
         }
         Ok(found)
+    }
+
+    fn lay(&self, variation: &Variation, scenario: &mut Scenario) -> Result<(), String> {
+        match level::level_file(scenario, Some(&self.scenarios[variation.scenario])) {
+            Some(path) => self.level(path, scenario).map(|_| ()),
+            None => Ok(()),
+        }
     }
 
     fn done(&self, variation: &Variation) -> Option<Measured> {

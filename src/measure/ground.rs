@@ -4,12 +4,16 @@
 //! are flat: near its lift and its landing a foot may be where the plane of that contact lets it be.
 
 use super::{HeldContact, Track};
+use crate::maths::real;
 use crate::model::scenario::GroundKind;
 use crate::model::{Side, Terrain, terrain};
 use glam::{DVec2, DVec3};
 
 /// Share of a swing, at each end, in which the plane of the contact there counts as ground too.
 const NEAR_CONTACT: f64 = 0.25;
+
+/// m, how far beside a point of a mesh its edge is looked for: out of a kerb's side a foot is as deep as it is far from there.
+const BESIDE: [f64; 8] = [0.0005, 0.001, 0.002, 0.004, 0.008, 0.016, 0.032, 0.064];
 
 /// m, the height of the ground straight below (or above) a point of the world.
 pub fn height_below(terrain: &Terrain, time: f64, point: DVec3) -> f64 {
@@ -46,6 +50,16 @@ pub fn depth(terrain: &Terrain, time: f64, point: DVec3) -> f64 {
             let into = (at.y - terrain::FIRST).rem_euclid(spacing);
             under.min(into - width).min(spacing - into)
         }
+        GroundKind::Mesh { .. } if !spot.holds => -1.0,
+        GroundKind::Mesh { .. } if under > BESIDE[0] => {
+            let beside = BESIDE.into_iter().take_while(|reach| *reach < under).find(|reach| {
+                (0..8).any(|eighth| {
+                    let (sine, cosine) = real::sin_cos(std::f64::consts::FRAC_PI_4 * f64::from(eighth));
+                    terrain.spot(at + DVec2::new(sine, cosine) * *reach).height <= point.y
+                })
+            });
+            beside.unwrap_or(under)
+        }
         _ => under,
     }
 }
@@ -62,7 +76,8 @@ impl<'a> Swung<'a> {
     pub fn new(track: &'a Track, contacts: &[HeldContact], side: Side, sample: usize) -> Swung<'a> {
         let time = track.motion.time(sample);
         let terrain = track.terrain.as_ref();
-        let round = terrain.is_some_and(|terrain| matches!(terrain.kind, GroundKind::Uneven { .. }));
+        let round =
+            terrain.is_some_and(|terrain| matches!(terrain.kind, GroundKind::Uneven { .. } | GroundKind::Mesh { .. }));
         let own = || contacts.iter().filter(|contact| contact.side == side);
         let last = own().filter(|contact| contact.end < time).max_by(|a, b| a.end.total_cmp(&b.end));
         let next = own().filter(|contact| contact.start > time).min_by(|a, b| a.start.total_cmp(&b.start));
@@ -94,7 +109,6 @@ impl<'a> Swung<'a> {
 mod tests {
     use super::super::{Frame, Motion, fixture, measure_on};
     use super::*;
-    use crate::maths::real;
     use crate::model::scenario::Ground;
     use glam::{DQuat, dvec3};
 

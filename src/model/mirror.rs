@@ -145,7 +145,7 @@ impl Scenario {
 
     /// To which side the first thing goes that is not its own mirror image; none on ground that has no mirror image.
     pub fn side(&self) -> Option<Side> {
-        if matches!(self.ground.kind, GroundKind::Uneven { .. }) {
+        if matches!(self.ground.kind, GroundKind::Uneven { .. } | GroundKind::Mesh { .. }) {
             return None;
         }
         let lateral = |toward: Direction, at: Role| match toward.unit(0.0).x {

@@ -6,8 +6,10 @@
 //! Lanes keep the order of the file; entries of a lane need not stand in the order of their times.
 
 use super::role::Role;
+use super::surface::Surface;
 use crate::maths::real;
 use glam::DVec3;
+use std::sync::Arc;
 
 /// A whole scenario.
 #[derive(Clone, Debug, PartialEq)]
@@ -170,7 +172,19 @@ pub enum GroundKind {
         /// (s, rad), straight lines between.
         roll: Vec<[f64; 2]>,
     },
+    /// Triangles of one's own: the file's world is scenario space.
+    Mesh {
+        /// A glTF file, relative to the scenario's folder.
+        file: String,
+        /// m over the origin; faces that lie higher are no ground.
+        ceiling: f64,
+        /// What is in the file, once it has been read.
+        surface: Option<Arc<Surface>>,
+    },
 }
+
+/// m over the origin: the [`GroundKind::Mesh`] ceiling of a scenario that gives none. Over a head, under most roofs.
+pub const CEILING: f64 = 2.0;
 
 /// A clip that the reaction starts from, plays over and returns to. At least one of the two is there.
 #[derive(Clone, Debug, PartialEq)]

@@ -18,6 +18,8 @@ const FRICTIONS: (f64, f64) = (0.05, 10.0);
 const SPRINGS: (f64, f64) = (0.25, 4.0);
 /// Least and greatest bias of a step's length.
 const BIASES: (f64, f64) = (0.0, 2.0);
+/// Lowest and highest ceiling of a mesh, m over the origin.
+const CEILINGS: (f64, f64) = (0.5, 100.0);
 /// Seeds stay whole in readers that know numbers as doubles only: 2^53.
 const GREATEST_SEED: u64 = 1 << 53;
 
@@ -115,6 +117,13 @@ impl Check {
                         self.range(format!("ground.{key}.{index}.1"), tidy_degrees(*angle), (-60.0, 60.0), "degrees");
                     }
                 }
+            }
+            GroundKind::Mesh { file, ceiling, .. } => {
+                if file.trim().is_empty() {
+                    let remedy = "name a .glb or .gltf beside the scenario, as in `file = \"level.glb\"`";
+                    self.fault("ground.file", "the name of the file is empty", remedy);
+                }
+                self.range("ground.ceiling", *ceiling, CEILINGS, "m");
             }
         }
     }

@@ -1,6 +1,6 @@
 //! The tables of a scenario of which there is one each: character, ground, stepper, base clip.
 
-use super::scenario::{Base, Character, Ground, GroundKind, Stepper, Style, SupportModel, Trigger};
+use super::scenario::{Base, CEILING, Character, Ground, GroundKind, Stepper, Style, SupportModel, Trigger};
 use super::scenario_reader::Reader;
 
 /// `[character]`.
@@ -27,7 +27,7 @@ pub(super) fn character(mut table: Reader<'_, '_>) -> Character {
 
 /// `[ground]`.
 pub(super) fn ground(mut table: Reader<'_, '_>) -> Ground {
-    let kinds = ["flat", "slope", "stairs", "uneven", "gaps", "platform"].map(|kind| (kind, kind));
+    let kinds = ["flat", "slope", "stairs", "uneven", "gaps", "platform", "mesh"].map(|kind| (kind, kind));
     let kind = match table.choice("kind", &kinds).unwrap_or("flat") {
         "slope" => GroundKind::Slope { angle: table.required_number("angle").to_radians() },
         "stairs" => GroundKind::Stairs {
@@ -49,6 +49,14 @@ pub(super) fn ground(mut table: Reader<'_, '_>) -> Ground {
                 pitch: table.points("pitch").map(in_radians).unwrap_or_default(),
                 roll: table.points("roll").map(in_radians).unwrap_or_default(),
             }
+        }
+        "mesh" => {
+            let file = table.string("file");
+            if file.is_none() && table.peek("file").is_none() {
+                table.missing("file", "name a .glb or .gltf beside the scenario, as in `file = \"level.glb\"`");
+            }
+            let ceiling = table.number("ceiling").unwrap_or(CEILING);
+            GroundKind::Mesh { file: file.unwrap_or_default(), ceiling, surface: None }
         }
         _ => GroundKind::Flat,
     };

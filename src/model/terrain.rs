@@ -1,12 +1,16 @@
 //! The ground as a surface: how high it is, how it leans, where it holds a foot. Scenario space, metres, radians.
 //!
 //! [`Terrain::spot`] answers in the **ground frame**: scenario space but for the platform, whose frame turns about the origin
-//! as [`Terrain::turn`] says. Analytic and without memory, so that stepper, clip, measure and picture see the same ground.
+//! as [`Terrain::turn`] says. Without memory, so that stepper, clip, measure and picture see the same ground. A mesh answers for the
+//! topmost of its faces that face up under the ceiling; where it has none
+//! it does not hold.
 
 use super::scenario::{Ground, GroundKind};
+use super::surface::Surface;
 use crate::maths::real;
 use crate::maths::seed::Seed;
 use glam::{DQuat, DVec2, DVec3};
+use std::sync::Arc;
 
 /// m ahead of the origin, where stairs and gaps begin.
 pub const FIRST: f64 = 1.0;
@@ -14,6 +18,10 @@ pub const FIRST: f64 = 1.0;
 pub const PLATFORM_SIDE: f64 = 3.0;
 /// Plane waves in uneven ground.
 const WAVES: usize = 6;
+/// Upward part of the unit normal of a floor that counts as level: within 0.1 degrees.
+const LEVEL: f64 = 1.0 - 1.5e-6;
+/// m, height of a place where a mesh has nothing: below all that a foot could reach.
+const NOTHING: f64 = -10.0;
 
 /// A ground that can be asked about.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,6 +53,23 @@ pub struct Spot {
     pub holds: bool,
 }
 
+impl Ground {
+    /// The triangles of a mesh that has been read.
+    pub fn surface(&self) -> Option<&Arc<Surface>> {
+        match &self.kind {
+            GroundKind::Mesh { surface, .. } => surface.as_ref(),
+            _ => None,
+        }
+    }
+
+    /// Lays triangles into a mesh's ground.
+    pub fn lay(&mut self, read: &Arc<Surface>) {
+        if let GroundKind::Mesh { surface, .. } = &mut self.kind {
+            *surface = Some(Arc::clone(read));
+        }
+    }
+}
+
 impl Terrain {
     /// The ground of a scenario.
     pub fn new(ground: &Ground) -> Terrain {
@@ -72,6 +97,18 @@ impl Terrain {
     /// Is it the plane y = 0 for good?
     pub fn is_flat(&self) -> bool {
         self.kind == GroundKind::Flat
+    }
+
+    /// m, the height of a level floor at (x, z): of flat ground, and of a mesh where it is level; `None` where feet may lean.
+    pub fn level_at(&self, at: DVec2) -> Option<f64> {
+        match self.kind {
+            GroundKind::Flat => Some(0.0),
+            GroundKind::Mesh { .. } => {
+                let spot = self.spot(at);
+                (spot.holds && spot.normal.y > LEVEL).then_some(spot.height)
+            }
+            _ => None,
+        }
     }
 
     /// Does it turn under the feet?
@@ -117,7 +154,31 @@ impl Terrain {
                 }
                 Spot { height, normal: DVec3::new(-lean.x, 1.0, -lean.y).normalize(), holds: true }
             }
+            GroundKind::Mesh { ref surface, ceiling, .. } => {
+                let found = surface.as_ref().and_then(|surface| surface.ground(at, ceiling));
+                found.map_or(Spot { holds: false, ..level(NOTHING) }, |(height, normal)| Spot {
+                    height,
+                    normal,
+                    holds: true,
+                })
+            }
         }
+    }
+
+    /// The ground that a point may touch: on a mesh the topmost face no more than `reach` m over it, so that what is beside a kerb does
+    /// not stand on it.
+    pub fn spot_under(&self, point: DVec3, reach: f64) -> Spot {
+        let at = DVec2::new(point.x, point.z);
+        let GroundKind::Mesh { surface: Some(surface), ceiling, .. } = &self.kind else { return self.spot(at) };
+        let nothing = Spot { height: NOTHING, normal: DVec3::Y, holds: false };
+        let found = surface.ground(at, ceiling.min(point.y + reach));
+        found.map_or(nothing, |(height, normal)| Spot { height, normal, holds: true })
+    }
+
+    /// Where on the way from one point to another the first wall of a mesh stands, and its unit normal towards the one.
+    pub fn wall(&self, from: DVec3, to: DVec3) -> Option<(DVec3, DVec3)> {
+        let GroundKind::Mesh { surface: Some(surface), .. } = &self.kind else { return None };
+        surface.wall(from, to).map(|(share, normal)| (from.lerp(to, share), normal))
     }
 
     /// How the ground frame is turned about the origin at a time: identity for everything but a platform.

@@ -1,9 +1,9 @@
 //! The ground: its floors with edges (treads, strips between gaps), and all of it as rapier's colliders, for balls: plane, slope, floors, a
 //! height field, a platform that turns.
 
-use crate::model::Terrain;
 use crate::model::scenario::GroundKind;
 use crate::model::terrain::FIRST;
+use crate::model::{Surface, Terrain};
 use glam::{DQuat, DVec2, DVec3};
 use rapier3d::parry::utils::Array2;
 use rapier3d::prelude::*;
@@ -94,6 +94,13 @@ pub(super) fn build(physics: &mut PhysicsWorld, terrain: &Terrain, groups: Inter
             }
             pieces.push(Piece { handle, moves: false });
         }
+        GroundKind::Mesh { surface, .. } => {
+            let handle = physics.insert_body(still());
+            if let Some(shape) = surface.as_ref().and_then(|surface| trimesh(surface)) {
+                physics.insert_collider(dressed(shape), Some(handle));
+            }
+            pieces.push(Piece { handle, moves: false });
+        }
         GroundKind::Uneven { .. } => {
             let handle = physics.insert_body(still());
             let count = (2.0 * ROUGH / CELL) as usize + 1;
@@ -110,6 +117,13 @@ pub(super) fn build(physics: &mut PhysicsWorld, terrain: &Terrain, groups: Inter
         }
     }
     pieces
+}
+
+/// A mesh as a shape; `None` where it has no triangles.
+fn trimesh(surface: &Surface) -> Option<ColliderBuilder> {
+    let points = surface.triangles().iter().flatten().map(|corner| vector(*corner)).collect();
+    let indices = (0..surface.len() as u32).map(|index| [3 * index, 3 * index + 1, 3 * index + 2]).collect();
+    ColliderBuilder::trimesh(points, indices).ok()
 }
 
 /// Sends what moves to where it will be at `time`.

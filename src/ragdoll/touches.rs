@@ -1,10 +1,12 @@
 //! What the links' boxes may touch: the ground, by their corners where it is a smooth surface and by whole boxes where it has edges
-//! (stairs, gaps), and balls. Scenario space, SI.
+//! (stairs, gaps), and balls. A mesh is met by corners: its floors from above, its walls from the side of the box's middle; its edges and
+//! points between corners are not felt. Scenario space, SI.
 
 use super::bulk::above_legs;
 use super::figure::Figure;
 use super::ground::{DEEP, FAR, Tread, double, rotation, treads, vector};
 use crate::dynamics::{Articulation, Loose, Touch};
+use crate::model::scenario::GroundKind;
 use crate::model::{Side, Terrain};
 use glam::{DQuat, DVec2, DVec3};
 use rapier3d::math::Pose;
@@ -15,6 +17,8 @@ use rapier3d::parry::shape::Cuboid;
 /// m, nearer than that to the ground a corner is looked at, and so deep that it came from elsewhere.
 const NEAR: f64 = 0.08;
 const FROM_ELSEWHERE: f64 = -0.3;
+/// m, what is deeper under a face of a mesh is beside it: farther than anything sinks in a part of a tick, lower than a kerb.
+const SUNK: f64 = 0.08;
 /// Names of contacts: eight corners a link, then points of boxes against boxes, then balls.
 const BOXES: u32 = 1 << 10;
 const BALLS: u32 = 1 << 20;
@@ -76,15 +80,19 @@ impl Surroundings {
         touches: &mut Vec<Touch>,
     ) {
         let friction = terrain.friction.max(0.0);
+        let mesh = matches!(terrain.kind, GroundKind::Mesh { .. });
         for (link, hull) in self.hulls.iter().enumerate() {
             let (origin, turn) = body.place(link);
             let spot = terrain.spot(DVec2::new(origin.x, origin.z));
             if !self.treads.is_empty() {
                 self.find_treads((link, hull), (origin, turn), friction, touches);
-            } else if (origin.y - spot.height) * spot.normal.y < hull.radius + NEAR {
+            } else if mesh || (origin.y - spot.height) * spot.normal.y < hull.radius + NEAR {
                 for (corner, local) in hull.corners.iter().enumerate() {
                     let at = origin + turn * *local;
-                    let spot = terrain.spot(DVec2::new(at.x, at.z));
+                    let spot = terrain.spot_under(at, SUNK);
+                    if mesh {
+                        self.find_wall((link, hull), corner, (origin + turn * hull.middle, at), terrain, touches);
+                    }
                     let gap = (at.y - spot.height) * spot.normal.y;
                     if (FROM_ELSEWHERE..NEAR).contains(&gap) {
                         let key = 8 * link as u32 + corner as u32;
@@ -98,6 +106,24 @@ impl Surroundings {
         }
         for (number, (round, ball)) in self.balls.iter().zip(loose).enumerate() {
             self.find_ball(body, (number, round, ball), loose, touches);
+        }
+    }
+
+    /// A corner that is through a wall of a mesh, or nearly: seen from the middle of its box.
+    fn find_wall(
+        &self,
+        (link, hull): (usize, &Hull),
+        corner: usize,
+        (middle, at): (DVec3, DVec3),
+        terrain: &Terrain,
+        touches: &mut Vec<Touch>,
+    ) {
+        let out = (at - middle).normalize_or_zero();
+        let Some((place, normal)) = terrain.wall(middle, at + out * NEAR) else { return };
+        let gap = (at - place).dot(normal);
+        if (-hull.radius..NEAR).contains(&gap) {
+            let key = BOXES + 8 * link as u32 + corner as u32;
+            touches.push(ground(link, key, at, (normal, gap), terrain.friction.max(0.0), DVec3::ZERO));
         }
     }
 
@@ -140,7 +166,7 @@ impl Surroundings {
     ) {
         for corner in 0..8_u32 {
             let at = held.place + held.turn * (size * 0.5 * signs(corner));
-            let spot = terrain.spot(DVec2::new(at.x, at.z));
+            let spot = terrain.spot_under(at, SUNK);
             let gap = (at.y - spot.height) * spot.normal.y;
             if (FROM_ELSEWHERE..NEAR).contains(&gap) {
                 let key = 8 * self.hulls.len() as u32 + corner;

@@ -221,7 +221,7 @@ pub fn vec3s(document: &Document, accessor: usize, place: &str) -> Result<Vec<DV
 }
 
 /// Lists, strips and fans as a list.
-fn triangles(mut corners: Vec<u32>, mode: Mode) -> Vec<u32> {
+pub(super) fn triangles(mut corners: Vec<u32>, mode: Mode) -> Vec<u32> {
     match mode {
         Mode::TriangleStrip => (2..corners.len())
             .flat_map(|at| if at % 2 == 0 { [at - 2, at - 1, at] } else { [at - 1, at - 2, at] })

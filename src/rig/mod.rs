@@ -18,6 +18,7 @@ pub mod geometry;
 pub mod images;
 pub mod inspect;
 mod leg_scale;
+pub mod level;
 pub mod load;
 pub mod mannequin;
 mod mannequin_document;

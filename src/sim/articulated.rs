@@ -11,6 +11,7 @@ use super::run::{Course, Run};
 use super::search::{Ahead, Search, Searched};
 use super::session::TICK;
 use crate::measure::KnownPush;
+use crate::model::scenario::GroundKind;
 use crate::model::{Body, BodyPose, Load, Physique, Plant, Role, Side, Terrain};
 use crate::ragdoll::control::Assist;
 use crate::ragdoll::walk::Order;
@@ -233,6 +234,9 @@ fn on_ground(
         (foot.foot, foot.toe) = (lean * foot.foot, lean * foot.toe);
         base += 0.5 * (foot.ankle.y - body.feet[side as usize].ankle_height);
     }
-    target.com = DVec3::Y * (physique.com_height + base);
+    target.com = match terrain.kind {
+        GroundKind::Mesh { .. } => level.com + DVec3::Y * base,
+        _ => DVec3::Y * (physique.com_height + base),
+    };
     Some(Solver::new(body, anatomy).solve(&target).pose)
 }

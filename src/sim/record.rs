@@ -249,9 +249,10 @@ pub(super) fn state_of(
     let feet = Side::BOTH.map(|side| {
         let state = states[figure.legs[side as usize][2]];
         let yaw = yaw_of(state.turn) + course.start[side as usize].yaw;
-        let normal = if ground.is_flat() { DVec3::Y } else { state.turn * DVec3::Y };
+        let level = ground.level_at(DVec2::new(state.origin.x, state.origin.z));
+        let normal = if level.is_some() { DVec3::Y } else { state.turn * DVec3::Y };
         let ankle = state.origin - normal * figure.ankle_height;
-        let ankle = if ground.is_flat() { DVec3::new(ankle.x, 0.0, ankle.z) } else { ankle };
+        let ankle = level.map_or(ankle, |height| DVec3::new(ankle.x, height, ankle.z));
         Plant { ankle, yaw, normal }
     });
     TickState {

@@ -22,7 +22,7 @@ pub fn tick(
         return output;
     }
     perceive(params, physique, state, inputs, dt);
-    walk::steer(params, terrain, state, inputs, dt);
+    walk::steer(params, physique, terrain, state, inputs, dt);
     if state.swing.is_none() {
         let (mut busy, mut lifted) = (false, None);
         if state.gait.phase == walk::Phase::Rest {

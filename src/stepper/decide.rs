@@ -5,7 +5,7 @@
 
 use super::balance::steady_lean;
 use super::foothold::{ankles, beside, corrective, middle_after};
-use super::footing::{ROOM, apart, set_down};
+use super::footing::{ROOM, apart, set_down_by};
 use super::support::{Support, Tread};
 use super::{Intent, Params, Passing, Physique, Plant, State, StepKind, Swing};
 use super::{control::wrap, footfall, foothold, ground, swing};
@@ -138,7 +138,7 @@ pub fn lift(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut
     };
     let land = state.time + ticks * dt;
     let aim = ground(to.ankle);
-    let to = set_down(terrain, physique, aim, to.yaw, land);
+    let to = set_down_by(terrain, physique, &stance, aim, (to.yaw, land));
     let ahead = state.ahead;
     let round = match intent.passing {
         Passing::Own => swing::round(ground(from.ankle), ground(to.ankle), ground(stance.ankle), -ahead),
@@ -224,7 +224,8 @@ pub fn replan(params: &Params, physique: &Physique, terrain: &Terrain, state: &m
     let most = params.retarget * dt;
     swing.aim += (ground(wanted.ankle) - swing.aim).clamp_length_max(most);
     let beside = landing(params, physique, state, &swing, wanted.yaw);
-    swing.to = set_down(terrain, physique, beside, wanted.yaw, swing.land);
+    let by = state.feet[swing.side.other() as usize];
+    swing.to = set_down_by(terrain, physique, &by, beside, (wanted.yaw, swing.land));
     let detour = swing::detour(ground(swing.from.ankle), ground(swing.to.ankle), stance, swing.round, params.gap);
     swing.detour += (detour - swing.detour).clamp_length_max(most);
     state.swing = Some(swing);

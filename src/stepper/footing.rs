@@ -4,7 +4,7 @@
 //! feet know the ground. Scenario space unless a name says ground frame; metres, radians.
 
 use super::control::wrap;
-use super::{Params, Physique, Plant, State, ground, support};
+use super::{Params, Physique, Plant, State, ground, mesh, support};
 use crate::maths::real;
 use crate::model::scenario::GroundKind;
 use crate::model::terrain::FIRST;
@@ -15,6 +15,8 @@ use glam::{DQuat, DVec2, DVec3};
 pub const STAIR_STEP: f64 = 0.55;
 /// m, of the reference body: soles land so far apart.
 pub const ROOM: f64 = 0.015;
+/// s, of the reference body: a walker begins to slow down no sooner than its next step.
+const BEGINS: f64 = 0.5;
 /// m, that a sole keeps from an edge.
 const EDGE: f64 = 0.01;
 
@@ -22,6 +24,7 @@ const EDGE: f64 = 0.01;
 pub fn set_down(terrain: &Terrain, physique: &Physique, ankle: DVec2, yaw: f64, time: f64) -> Plant {
     match terrain.kind {
         GroundKind::Flat => Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), yaw),
+        GroundKind::Mesh { .. } => mesh::set_down(terrain, physique, None, ankle, yaw),
         GroundKind::Platform { .. } => {
             let normal = terrain.turn(time) * DVec3::Y;
             let height = -(normal.x * ankle.x + normal.z * ankle.y) / normal.y.max(0.1);
@@ -32,6 +35,14 @@ pub fn set_down(terrain: &Terrain, physique: &Physique, ankle: DVec2, yaw: f64, 
             let spot = terrain.spot(at);
             Plant { ankle: DVec3::new(at.x, spot.height, at.y), yaw, normal: spot.normal }
         }
+    }
+}
+
+/// The same for a foot that steps from the other one: on a mesh no higher, and through no wall.
+pub fn set_down_by(terrain: &Terrain, physique: &Physique, by: &Plant, ankle: DVec2, (yaw, time): (f64, f64)) -> Plant {
+    match terrain.kind {
+        GroundKind::Mesh { .. } => mesh::set_down(terrain, physique, Some(by), ankle, yaw),
+        _ => set_down(terrain, physique, ankle, yaw, time),
     }
 }
 
@@ -130,13 +141,26 @@ fn moved(physique: &Physique, stance: &Plant, plant: &Plant, way: DVec2, room: f
 
 /// m, the longest step that the ground allows a body at `place` that goes that way: a tread, on and before stairs.
 pub fn longest(terrain: &Terrain, params: &Params, place: DVec2, way: DVec2) -> f64 {
-    let GroundKind::Stairs { tread, count, .. } = terrain.kind else { return f64::INFINITY };
+    let (tread, count) = match terrain.kind {
+        GroundKind::Stairs { tread, count, .. } => (tread, count),
+        GroundKind::Mesh { .. } => return mesh::longest(terrain, params.size, place, way),
+        _ => return f64::INFINITY,
+    };
     let ahead = 1.4 * params.size * way.y.signum(); // room to slow down in
     let (near, far) = ((place.y + ahead).min(place.y), (place.y + ahead).max(place.y));
     let end = FIRST + tread * (f64::from(count) - 1.0);
     let on = far > FIRST && near < end + 0.4 * params.size;
     // across the stairs every step is as good as another
     if on && way.y.abs() > 0.4 { tread / way.y.abs() } else { f64::INFINITY }
+}
+
+/// m/s, the fastest that a body at `place` may go that way so as to stop before what a mesh has in it.
+pub fn fastest(terrain: &Terrain, params: &Params, physique: &Physique, place: DVec2, way: DVec2) -> f64 {
+    let GroundKind::Mesh { .. } = terrain.kind else { return f64::INFINITY };
+    let free = mesh::free(terrain, params, physique.leg_length, place, way);
+    // As the command ramps down, with a step's time to begin in.
+    let begins = params.ramp * BEGINS * params.tempo;
+    (real::hypot(begins, (2.0 * params.ramp * free).sqrt()) - begins).max(0.0)
 }
 
 /// The plant in the ground frame as it lies at a time.

@@ -15,6 +15,7 @@ mod foothold;
 pub mod footing;
 mod gait;
 mod legs;
+mod mesh;
 pub mod params;
 mod roll;
 mod stand;

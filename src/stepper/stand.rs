@@ -96,7 +96,8 @@ pub fn hold(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut
         };
         let (lift, land) = (state.time, state.time + ticks * dt);
         let (passing, aim) = (best.1, ground(best.2.ankle));
-        let to = footing::set_down(terrain, physique, aim, best.2.yaw, land);
+        let by = state.feet[stance as usize];
+        let to = footing::set_down_by(terrain, physique, &by, aim, (best.2.yaw, land));
         swing = Swing { kind: StepKind::Corrective, lift, land, from: now, to, aim, passing, round, ..swing };
     } else if swing.land.is_infinite() && wanted(inputs) != Some(stance) {
         let ticks = (params.comfort_swing / dt).round().max(2.0);

@@ -86,7 +86,7 @@ impl Gait {
 }
 
 /// Follows the command.
-pub fn steer(params: &Params, terrain: &Terrain, state: &mut State, inputs: &Inputs, dt: f64) {
+pub fn steer(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut State, inputs: &Inputs, dt: f64) {
     // while the pelvis turns, the way to go turns with it
     let wanted = turn::rotated(inputs.walk.unwrap_or(DVec2::ZERO), -state.gait.goal);
     let gait = &mut state.gait;
@@ -97,6 +97,7 @@ pub fn steer(params: &Params, terrain: &Terrain, state: &mut State, inputs: &Inp
     gait.tick = dt;
     gait.longest = footing::longest(terrain, params, ground(state.com), wanted.normalize_or(state.ahead));
     let wanted = wanted.clamp_length_max(gait.longest / (footing::STAIR_STEP * params.tempo));
+    let wanted = wanted.clamp_length_max(footing::fastest(terrain, params, physique, ground(state.com), wanted));
     let most = params.ramp * dt;
     let first = 0.5 * params.size / params.tempo;
     let wanted = if gait.phase == Phase::Start { wanted.clamp_length_max(first) } else { wanted };
@@ -250,7 +251,8 @@ fn lift(
     state.gait.last = last;
     let to = footfall::plan(params, physique, state, side, (0.0, ticks * dt), (0.0, ticks * dt)).plant;
     let aim = ground(to.ankle);
-    let to = footing::set_down(terrain, physique, aim, to.yaw, land);
+    let beside = state.feet[side.other() as usize];
+    let to = footing::set_down_by(terrain, physique, &beside, aim, (to.yaw, land));
     let from = state.feet[side as usize];
     let stance = ground(state.feet[side.other() as usize].ankle);
     let round = swing::round(ground(from.ankle), ground(to.ankle), stance, state.aside() * side.sign());

@@ -22,6 +22,8 @@ pub enum Purpose {
     Rig,
     /// A clip under the reaction.
     Base,
+    /// The mesh of the ground.
+    Ground,
     /// The scenario's place.
     Save,
     /// The baked clip's place.

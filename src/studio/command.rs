@@ -51,6 +51,8 @@ pub enum Command {
     RigDialog,
     /// Choose a base clip.
     BaseDialog,
+    /// Choose the mesh of the ground.
+    GroundDialog,
     /// Open a file, whatever it is.
     Open(PathBuf),
     /// One of the examples inside of the program, by its number.

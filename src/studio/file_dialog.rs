@@ -23,6 +23,7 @@ fn terms(purpose: Purpose) -> (&'static str, &'static str, &'static [&'static st
         Purpose::Open => ("Open", "Open", &["toml", "glb", "gltf", "vrm", "bvh", "fbx", "vrma"], false),
         Purpose::Rig => ("Open a rig", "Open", &["glb", "gltf", "vrm", "fbx"], false),
         Purpose::Base => ("A clip under the reaction", "Use", CLIPS, false),
+        Purpose::Ground => ("A mesh to stand on", "Use", &["glb", "gltf"], false),
         Purpose::Clip => ("Open a clip to audit", "Open", CLIPS, false),
         Purpose::Save => ("Save the scenario", "Save", &["toml"], true),
         Purpose::Export => ("Export the clip", "Export", &["glb", "vrma", "fbx"], true),

@@ -10,9 +10,10 @@ use super::worker::{Reply, Wake, Worker};
 use crate::bake::auto::choose;
 use crate::bake::{self, Baked, Base, Drive};
 use crate::batch::run::options;
+use crate::disk::level::{self, Level};
 use crate::disk::{Failure, resolve};
-use crate::model::Role;
 use crate::model::sweep::BakeSettings;
+use crate::model::{Role, Scenario, Surface};
 use crate::rig::Rig;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -43,6 +44,8 @@ pub struct Shown {
     pub files: Vec<PathBuf>,
     /// The clip under the reaction.
     pub base: Option<Arc<Base>>,
+    /// The ground's triangles, where it is a mesh.
+    pub ground: Option<Arc<Surface>>,
     /// The clip and all that is known of it.
     pub baked: Arc<Baked>,
     /// What is known of its balance at any time.
@@ -71,6 +74,7 @@ pub enum Answer {
 struct Kept {
     rig: Option<HeldRig>,
     base: Option<(String, PathBuf, Arc<Base>)>,
+    ground: Option<(PathBuf, Option<SystemTime>, Level)>,
 }
 
 /// As [`Document::bones`].
@@ -110,7 +114,9 @@ pub fn start(wake: Wake) -> Worker<Question, Answer> {
 /// Starts the worker that looks whether the ragdoll does it better than a clip that is shown.
 pub fn start_choosing(wake: Wake) -> Worker<(Document, Shown), Answer> {
     let work = |(document, shown): (Document, Shown), reply: &Reply<Answer>, _: &dyn Fn() -> bool| {
-        let Document { scenario, bake, .. } = &document;
+        let Document { mut scenario, bake, .. } = document;
+        shown.ground.iter().for_each(|read| scenario.ground.lay(read));
+        let (scenario, bake) = (&scenario, &bake);
         let options = options(bake, &shown.baked.clip.name, shown.base.clone());
         let Drive::Auto(helped) = options.drive else { return };
         let stepper = Baked::clone(&shown.baked);
@@ -133,19 +139,22 @@ fn broke(words: String) -> Answer {
 impl Kept {
     fn answer(&mut self, question: &Question, reply: &Reply<Answer>) -> Result<Shown, Failure> {
         let Document { rig, bones, scenario, bake } = &question.document;
+        let mut scenario = scenario.clone();
         let (rig, mut files) = self.rig(rig, bones)?;
         reply.give(Answer::Rig(Arc::clone(&rig)));
         let base = self.base(&rig, question)?;
         files.extend(base.as_ref().map(|(file, _)| file.clone()));
         let base = base.map(|(_, base)| base);
+        files.extend(self.ground(&mut scenario, question.file.as_deref())?);
         let name = bake::safe_name(&scenario.title);
         let at_once = if bake.drive == "auto" { "stepper" } else { bake.drive };
         let settings = BakeSettings { drive: at_once, ..bake.clone() };
-        let baked = bake::bake(&rig, scenario, &options(&settings, &name, base.clone()));
+        let baked = bake::bake(&rig, &scenario, &options(&settings, &name, base.clone()));
         let baked = Arc::new(baked.map_err(|error| Failure::failed(error.to_string()))?);
         let tracks = Arc::new(Tracks::new(&baked));
         let (last, took) = (bake.drive != "auto", question.asked.elapsed());
-        Ok(Shown { edit: question.edit, rig, files, base, baked, tracks, last, took })
+        let ground = scenario.ground.surface().cloned();
+        Ok(Shown { edit: question.edit, rig, files, base, ground, baked, tracks, last, took })
     }
 
     fn rig(&mut self, path: &Path, bones: &Bones) -> Result<(Arc<Rig>, Vec<PathBuf>), Failure> {
@@ -166,6 +175,18 @@ impl Kept {
         });
         self.base = None;
         Ok((rig, files))
+    }
+
+    /// Lays the ground's mesh into the scenario, read again where its file was written since; its files.
+    fn ground(&mut self, scenario: &mut Scenario, file: Option<&Path>) -> Result<Vec<PathBuf>, Failure> {
+        let Some(path) = level::level_file(scenario, file) else { return Ok(Vec::new()) };
+        let at = std::fs::metadata(&path).and_then(|there| there.modified()).ok();
+        if self.ground.as_ref().is_none_or(|(held, written, _)| *held != path || *written != at || at.is_none()) {
+            self.ground = Some((path.clone(), at, level::read(&path)?));
+        }
+        let Some((_, _, read)) = &self.ground else { return Ok(Vec::new()) };
+        level::put(scenario, &read.surface, &path)?;
+        Ok(read.files.clone())
     }
 
     fn base(&mut self, rig: &Rig, question: &Question) -> Result<Option<(PathBuf, Arc<Base>)>, Failure> {

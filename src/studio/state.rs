@@ -19,7 +19,7 @@ use super::worker::{Wake, Worker};
 use crate::disk::writer::Output;
 use crate::disk::{Failure, clip_files};
 use crate::model::Scenario;
-use crate::model::scenario::Marker;
+use crate::model::scenario::{CEILING, Ground, GroundKind, Marker};
 use crate::model::scenario_errors::Fault;
 use crate::rig::Rig;
 use std::path::{Path, PathBuf};
@@ -224,6 +224,7 @@ impl State {
             Command::OpenDialog => self.asking = Some(Asking::File(Purpose::Open)),
             Command::RigDialog => self.asking = Some(Asking::File(Purpose::Rig)),
             Command::BaseDialog => self.asking = Some(Asking::File(Purpose::Base)),
+            Command::GroundDialog => self.asking = Some(Asking::File(Purpose::Ground)),
             Command::Open(path) => self.open(path),
             Command::Example(index) => {
                 if let Some(scenario) = examples::scenario(index) {
@@ -266,6 +267,15 @@ impl State {
                 let file = Some(self.beside_scenario(&path));
                 let base = crate::model::scenario::Base { clip: None, file };
                 self.carry_out(Command::Edit(Edit::Base(Some(base))));
+            }
+            Purpose::Ground => {
+                let ground = self.document().scenario.ground.clone();
+                let ceiling = match ground.kind {
+                    GroundKind::Mesh { ceiling, .. } => ceiling,
+                    _ => CEILING,
+                };
+                let kind = GroundKind::Mesh { file: self.beside_scenario(&path), ceiling, surface: None };
+                self.carry_out(Command::Edit(Edit::Ground(Ground { kind, ..ground })));
             }
             Purpose::Save => self.save(with_ending(path, &["toml"])),
             Purpose::Export => {

@@ -23,6 +23,10 @@ impl Place for Nowhere {
         Ok(None)
     }
 
+    fn lay(&self, _: &Variation, _: &mut Scenario) -> Result<(), String> {
+        Ok(())
+    }
+
     fn done(&self, _: &Variation) -> Option<Measured> {
         None
     }

@@ -5,6 +5,7 @@
 use super::values::{self, Try};
 use crate::batch::{Plan, plan};
 use crate::disk::writer::Output;
+use crate::model::scenario::GroundKind;
 use crate::model::scenario_write::write;
 use crate::model::sweep::{AxisValues, BakeSettings, Sweep};
 use crate::model::{FileKind, Scenario, sweep_text};
@@ -268,11 +269,14 @@ impl SweepToSave {
         format!("{head}{}", wish.text(document, &rig, scenario_file))
     }
 
-    /// The scenario's text. A base clip's file is named from everywhere.
+    /// The scenario's text. A base clip's and a ground's file are named from everywhere.
     pub fn scenario(&self) -> String {
         let mut scenario = self.job.document.scenario.clone();
         let folder = self.job.file.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
         if let Some(file) = scenario.base.as_mut().and_then(|base| base.file.as_mut()) {
+            *file = whole(&folder.join(&*file)).to_string_lossy().into_owned();
+        }
+        if let GroundKind::Mesh { file, .. } = &mut scenario.ground.kind {
             *file = whole(&folder.join(&*file)).to_string_lossy().into_owned();
         }
         write(&scenario)

@@ -9,8 +9,9 @@ use crate::batch::run::{Ended, Place, Stopped, Wanted, run};
 use crate::batch::{Plan, Variation};
 use crate::disk::batch_results::Results;
 use crate::disk::folder::{Folder, rig_file};
-use crate::disk::{Failure, resolve};
-use crate::model::Scenario;
+use crate::disk::{Failure, level, resolve};
+use crate::model::scenario::GroundKind;
+use crate::model::{Scenario, Surface};
 use crate::picture::from_png;
 use crate::rig::Rig;
 use crate::studio::worker::{Reply, Wake, Worker};
@@ -96,7 +97,14 @@ fn to_see(order: &Order, reply: &Reply<Said>) -> Result<(), Failure> {
     let rig = Arc::new(resolve::rig(&document.rig)?.rig);
     // Base clips are told before anything runs.
     resolve::base(&rig, &document.scenario, file.as_deref(), &document.rig)?;
+    let mut scenario = document.scenario.clone();
+    let ground = level::lay(&mut scenario, file.as_deref())?.map(|level| level.surface);
+    let ground = match &scenario.ground.kind {
+        GroundKind::Mesh { file, .. } => ground.map(|surface| (file.clone(), surface)),
+        _ => None,
+    };
     let memory = Memory {
+        ground,
         rig,
         rig_file: document.rig.clone(),
         scenario_file: file.clone(),
@@ -133,6 +141,7 @@ fn to_folder(order: &Order, dir: &Path, reply: &Reply<Said>) -> Result<Vec<PathB
     let Job { document, file, .. } = &order.job;
     let (rig, loaded) = rig_file(&document.rig)?;
     resolve::base(&loaded, &document.scenario, file.as_deref(), &document.rig)?;
+    level::lay(&mut document.scenario.clone(), file.as_deref())?;
     let scenario = file.clone().unwrap_or_else(|| PathBuf::from("scenario.toml"));
     let plan = &*order.plan;
     let folder = Folder::open(plan, vec![rig], vec![scenario], dir, (CELLS, false), Vec::new())?;
@@ -159,6 +168,8 @@ struct Memory {
     scenario_file: Option<PathBuf>,
     cells: Mutex<BTreeMap<usize, Vec<u8>>>,
     bases: Mutex<BTreeMap<String, Arc<Base>>>,
+    /// The ground's mesh, by the file that the scenario names.
+    ground: Option<(String, Arc<Surface>)>,
 }
 
 impl Place for Memory {
@@ -176,6 +187,14 @@ impl Place for Memory {
         let found = found.map_err(|failure| failure.message)?.map(|(_, base)| base);
         lock(&self.bases).extend(found.iter().map(|base| (key.clone(), Arc::clone(base))));
         Ok(found)
+    }
+
+    fn lay(&self, _: &Variation, scenario: &mut Scenario) -> Result<(), String> {
+        match (&self.ground, &scenario.ground.kind) {
+            (Some((file, read)), GroundKind::Mesh { file: named, .. }) if file == named => scenario.ground.lay(read),
+            _ => drop(level::lay(scenario, self.scenario_file.as_deref()).map_err(|failure| failure.message)?),
+        }
+        Ok(())
     }
 
     fn done(&self, _: &Variation) -> Option<Measured> {
@@ -207,6 +226,10 @@ impl Place for Cancelled<'_> {
             true => Err(CANCELLED.into()),
             false => self.place.base(variation, rig, scenario),
         }
+    }
+
+    fn lay(&self, variation: &Variation, scenario: &mut Scenario) -> Result<(), String> {
+        self.place.lay(variation, scenario)
     }
 
     fn done(&self, variation: &Variation) -> Option<Measured> {

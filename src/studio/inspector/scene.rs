@@ -1,7 +1,7 @@
 //! Title, duration and seed; the character and its style dials; the ground; the base clip; how the clip is baked.
 
 use super::fields::{Number, changed, choice, dial, grid};
-use crate::model::scenario::{Base, Character, Ground, GroundKind, Style};
+use crate::model::scenario::{Base, CEILING, Character, Ground, GroundKind, Style};
 use crate::model::sweep::{BakeSettings, ENGINES};
 use crate::rig::{Rig, clips};
 use crate::studio::command::Command;
@@ -119,11 +119,16 @@ pub fn ground(ui: &mut egui::Ui, document: &Document, commands: &mut Vec<Command
         ("gaps", GroundKind::Gaps { width: 0.2, spacing: 1.0 }),
         ("platform", GroundKind::Platform { pitch: vec![[0.5, 0.0], [2.0, 0.2], [3.5, 0.0]], roll: Vec::new() }),
     ];
+    let mesh = match &ground.kind {
+        GroundKind::Mesh { file, .. } => Some(file),
+        _ => None,
+    };
     // The choice shows the kind; its own numbers stay where the kind stays.
     let same = std::mem::discriminant(&ground.kind);
     let choices: Vec<(&str, GroundKind)> = kinds
         .into_iter()
         .map(|(name, kind)| (name, if std::mem::discriminant(&kind) == same { ground.kind.clone() } else { kind }))
+        .chain(mesh.map(|_| ("mesh", ground.kind.clone())))
         .collect();
     let with = |kind: GroundKind| Edit::Ground(Ground { kind, ..ground.clone() });
     grid(ui, "ground", |ui| {
@@ -164,6 +169,11 @@ pub fn ground(ui: &mut egui::Ui, document: &Document, commands: &mut Vec<Command
                     with(GroundKind::Uneven { height, wavelength, seed: seed.max(0.0) as u64 })
                 });
             }
+            GroundKind::Mesh { file, ceiling, surface } => {
+                let number = Number::new("Ceiling", 0.5..=100.0, "over the origin; higher faces are no ground");
+                let with = |ceiling| with(GroundKind::Mesh { file: file.clone(), ceiling, surface: surface.clone() });
+                number.unit("m", 0.02, 2).default(CEILING).row(ui, ceiling, commands, with);
+            }
             GroundKind::Gaps { width, spacing } => {
                 let number = Number::new("Width", 0.01..=5.0, "of a gap").unit("m", 0.005, 3);
                 number.row(ui, width, commands, |width| with(GroundKind::Gaps { width, spacing }));
@@ -175,6 +185,12 @@ pub fn ground(ui: &mut egui::Ui, document: &Document, commands: &mut Vec<Command
         number
             .default(1.0)
             .row(ui, ground.friction, commands, |friction| Edit::Ground(Ground { friction, ..ground.clone() }));
+    });
+    ui.horizontal(|ui| {
+        if ui.button("Mesh...").on_hover_text("a level of your own: .glb or .gltf, metres, Y up").clicked() {
+            commands.push(Command::GroundDialog);
+        }
+        mesh.map(|file| ui.weak(file));
     });
     if matches!(ground.kind, GroundKind::Platform { .. }) {
         ui.weak("its angles are set in the Platform lane of the timeline");

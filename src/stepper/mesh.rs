@@ -1,0 +1,243 @@
+//! Footholds on a ground of triangles: whole soles, off edges, out of walls, no higher or lower than a leg steps; how long a step such
+//! ground allows and how far the way is free. Scenario space, metres.
+//!
+//! What lies in the way is found by asking: the ground's height under the points of a sole, and walls across lines. Nothing is remembered.
+
+use super::{Params, Physique, Plant, support};
+use crate::maths::real;
+use crate::model::{Spot, Terrain};
+use glam::{DVec2, DVec3};
+
+/// m, that a sole keeps from an edge.
+const EDGE: f64 = 0.01;
+/// Points along a sole and across it at which the ground is asked.
+const POINTS: [usize; 2] = [7, 3];
+/// m of the reference body: a landing is moved no farther than that, in rings so far apart, refined by halving so often.
+const FARTHEST: f64 = 0.24;
+const RING: f64 = 0.015;
+const HALVINGS: usize = 5;
+/// 1/m of the reference body: where no place holds a whole sole, 5 cm farther are worth as much as a fifth of it.
+const DEARER: f64 = 4.0;
+/// Directions around a place.
+const DIRECTIONS: usize = 16;
+/// Part of the leg: a step goes up or down no farther. People step up 0.88 of it at most, and choose to under a third (Warren 1984).
+const RISE: f64 = 0.5;
+/// m over the ground, at which a wall is in the way of a foot; part of the leg, of the body.
+const WALLS: [f64; 2] = [0.06, 0.6];
+/// m, ground that rises or falls so much within [`STRIDE`] is a riser of a stair or a kerb.
+const RISER: f64 = 0.06;
+/// m, between the places asked along a way.
+const STRIDE: f64 = 0.03;
+/// m of the reference body: a stair is seen so far ahead and behind, as stairs by name are, and two risers farther apart are none.
+const SEEN: [f64; 2] = [1.4, 0.4];
+const NEIGHBOURS: f64 = 0.9;
+/// m of the reference body: so much free way is looked for, so much is kept before what is in it, and a gap so wide is stepped over.
+const LOOK: f64 = 2.4;
+const KEPT: f64 = 0.50;
+const GAP: f64 = 0.5;
+
+/// A sole of a body, as points of the ground plane to be asked about.
+struct Sole {
+    points: Vec<DVec2>, // m, from the ankle's shadow, with the edge that it keeps
+}
+
+impl Sole {
+    fn new(physique: &Physique, yaw: f64, edge: f64) -> Sole {
+        let (ahead, left) = (support::forward(yaw), support::left(yaw));
+        let (from, to, wide) = (physique.heel - edge, physique.tip + edge, physique.half_width + edge);
+        let share = |at: usize, of: usize| at as f64 / (of - 1) as f64;
+        let points = (0..POINTS[0]).flat_map(|along| {
+            let along = from + (to - from) * share(along, POINTS[0]);
+            (0..POINTS[1]).map(move |across| ahead * along + left * (wide * (2.0 * share(across, POINTS[1]) - 1.0)))
+        });
+        Sole { points: points.collect() }
+    }
+
+    /// Its outline: corners in order.
+    fn outline(&self) -> [DVec2; 4] {
+        let last = self.points.len() - 1;
+        [self.points[0], self.points[POINTS[1] - 1], self.points[last], self.points[last + 1 - POINTS[1]]]
+    }
+}
+
+/// How a foot lies somewhere, and how well.
+struct Place {
+    plant: Plant,
+    held: f64, // 0..1
+    /// No wall in it, none between it and the other foot, not too steep, not too high.
+    free: bool,
+}
+
+fn place(
+    terrain: &Terrain,
+    physique: &Physique,
+    by: Option<&Plant>,
+    sole: &Sole,
+    at: DVec2,
+    yaw: f64,
+) -> Option<Place> {
+    let lie = terrain.lie(at, &sole.points)?;
+    let ankle = DVec3::new(at.x, lie.height, at.y);
+    let plant = Plant { ankle, yaw, normal: lie.normal };
+    let rise = |other: &Plant| (lie.height - other.ankle.y).abs() <= RISE * physique.leg_length;
+    let holds = lie.normal.y >= 1.0 / real::hypot(1.0, terrain.friction); // inside of the friction cone
+    let outline = sole.outline().map(|corner| at + corner);
+    let [low, high] = [WALLS[0], WALLS[1] * physique.leg_length];
+    let lift = |at: DVec2, height: f64| DVec3::new(at.x, lie.height + height, at.y);
+    let clear = (0..4).all(|side| {
+        let (here, next, over) = (outline[side], outline[(side + 1) % 4], outline[(side + 2) % 4]);
+        let free = |to: DVec2, height: f64| terrain.wall(lift(here, height), lift(to, height)).is_none();
+        free(next, low) && (side > 1 || free(over, low) && free(over, high))
+    });
+    let reached = by.is_none_or(|other| {
+        let height = other.ankle.y.max(lie.height) + high;
+        let from = DVec3::new(other.ankle.x, height, other.ankle.z);
+        rise(other) && terrain.wall(from, DVec3::new(at.x, height, at.y)).is_none()
+    });
+    Some(Place { plant, held: lie.held, free: holds && clear && reached })
+}
+
+/// The foot set down as near to that place as the whole sole is held; where it is nowhere near, where most of it is. `by`: the other
+/// foot, from which it is stepped.
+pub fn set_down(terrain: &Terrain, physique: &Physique, by: Option<&Plant>, ankle: DVec2, yaw: f64) -> Plant {
+    let mut best = None;
+    // On a stair as deep as the sole is long there is no room for edges.
+    for edge in [EDGE, 0.0] {
+        let sole = Sole::new(physique, yaw, edge);
+        match search(physique, ankle, &|at: DVec2| place(terrain, physique, by, &sole, at, yaw)) {
+            Ok(found) => return found.plant,
+            Err(found) => best = found,
+        }
+    }
+    best.map_or_else(|| nowhere(by, ankle, yaw), |best: Place| best.plant)
+}
+
+/// The nearest place that holds a whole sole; else what comes nearest to that.
+fn search(physique: &Physique, ankle: DVec2, look: &dyn Fn(DVec2) -> Option<Place>) -> Result<Place, Option<Place>> {
+    let good = |found: &Place| found.free && found.held >= 1.0;
+    let mut best = look(ankle);
+    if let Some(found) = best.take_if(|found| good(found)) {
+        return Ok(found);
+    }
+    let size = physique.leg_length / Physique::REFERENCE.leg_length;
+    let worth = |found: &Place| {
+        let moved = DVec2::new(found.plant.ankle.x, found.plant.ankle.z).distance(ankle);
+        found.held + f64::from(u8::from(found.free)) - DEARER * moved / size
+    };
+    let ring = RING * size;
+    for number in 1..=(FARTHEST / RING) as usize {
+        for direction in 0..DIRECTIONS {
+            let (sine, cosine) = real::sin_cos(std::f64::consts::TAU * direction as f64 / DIRECTIONS as f64);
+            let way = DVec2::new(sine, cosine);
+            let Some(found) = look(ankle + way * (ring * number as f64)) else { continue };
+            if good(&found) {
+                return Ok(nearer(look, ankle, way, [ring * (number - 1) as f64, ring * number as f64], found));
+            }
+            if best.as_ref().is_none_or(|best| worth(&found) > worth(best) + 1e-9) {
+                best = Some(found);
+            }
+        }
+    }
+    Err(best)
+}
+
+/// The nearest good place between two distances along a way, of which the farther one is good.
+fn nearer(
+    look: &dyn Fn(DVec2) -> Option<Place>,
+    from: DVec2,
+    way: DVec2,
+    [mut near, mut far]: [f64; 2],
+    mut found: Place,
+) -> Place {
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (near + far);
+        match look(from + way * middle).filter(|found| found.free && found.held >= 1.0) {
+            Some(better) => (far, found) = (middle, better),
+            None => near = middle,
+        }
+    }
+    found
+}
+
+/// Where there is no ground: as high as the other foot, for who falls off the edge of the world.
+fn nowhere(by: Option<&Plant>, ankle: DVec2, yaw: f64) -> Plant {
+    Plant::level(DVec3::new(ankle.x, by.map_or(0.0, |other| other.ankle.y), ankle.y), yaw)
+}
+
+/// m, the longest step that risers allow a body at `place` that goes that way: from one to the next.
+pub fn longest(terrain: &Terrain, size: f64, place: DVec2, way: DVec2) -> f64 {
+    let way = way.normalize_or_zero();
+    let [ahead, behind] = SEEN.map(|seen| seen * size);
+    let reach = NEIGHBOURS * size;
+    let count = ((ahead + behind + 2.0 * reach) / STRIDE).ceil() as usize;
+    let along = |index: usize| -behind - reach + STRIDE * index as f64;
+    let spot = |index: usize| terrain.spot(place + way * along(index));
+    let mut risers: Vec<f64> = Vec::new();
+    let mut before = spot(0);
+    for index in 1..=count {
+        let here = spot(index);
+        let (fall, slope) = (here.height - before.height, 0.5 * (grade(&before, way) + grade(&here, way)));
+        if here.holds && before.holds && (fall - slope * STRIDE).abs() > RISER {
+            risers.push(riser(terrain, place, way, [along(index - 1), along(index)], before.height + 0.5 * fall));
+        }
+        before = here;
+    }
+    let mut least = f64::INFINITY;
+    for pair in risers.windows(2) {
+        let seen = pair.iter().any(|riser| (-behind..=ahead).contains(riser));
+        let apart = pair[1] - pair[0];
+        if seen && apart < reach && apart > 2.0 * STRIDE {
+            least = least.min(apart);
+        }
+    }
+    least
+}
+
+/// m along a way, where between two places the ground goes past a height.
+fn riser(terrain: &Terrain, place: DVec2, way: DVec2, [mut from, mut to]: [f64; 2], height: f64) -> f64 {
+    let above = |at: f64| terrain.spot(place + way * at).height > height;
+    let side = above(from);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (from + to);
+        if above(middle) == side { from = middle } else { to = middle }
+    }
+    0.5 * (from + to)
+}
+
+/// m/m, by which the plane at a spot rises that way.
+fn grade(spot: &Spot, way: DVec2) -> f64 {
+    -(spot.normal.x * way.x + spot.normal.z * way.y) / spot.normal.y.max(0.1)
+}
+
+/// m, how far a body at `place` may go that way before a wall, a drop, a rise or a gap that no step crosses; infinite where it sees none.
+pub fn free(terrain: &Terrain, params: &Params, leg: f64, place: DVec2, way: DVec2) -> f64 {
+    let way = way.normalize_or_zero();
+    let look = LOOK * params.size;
+    let here = terrain.spot(place);
+    let mut last = here; // the last ground that a foot could be on
+    let mut lacking = 0.0;
+    let mut at = 0.0;
+    while at < look {
+        let next = at + STRIDE;
+        let spot = terrain.spot(place + way * next);
+        let over = last.height + WALLS[1] * leg;
+        let walled = last.holds && {
+            let [from, to] = [at, next].map(|at| place + way * at);
+            terrain.wall(DVec3::new(from.x, over, from.y), DVec3::new(to.x, over, to.y)).is_some()
+        };
+        let stands = spot.holds && last.holds && (spot.height - last.height).abs() <= RISE * leg;
+        if walled {
+            return (at - KEPT * params.size).max(0.0);
+        }
+        if stands || !last.holds {
+            (last, lacking) = (spot, 0.0);
+        } else {
+            lacking += STRIDE;
+            if lacking > GAP * params.size {
+                return (next - lacking - KEPT * params.size).max(0.0);
+            }
+        }
+        at = next;
+    }
+    f64::INFINITY
+}
