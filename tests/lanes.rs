@@ -7,9 +7,10 @@ use crate::export::baked_path;
 use crate::limits_grid::{THIRD_PARTY, rigs, shove};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use surefoot::bake::{BakeOptions, Baked, RootMotion, bake};
+use surefoot::bake::{BakeOptions, Baked, Drive, Helped, RootMotion, bake};
 use surefoot::export::glb_with_props;
 use surefoot::measure::{Frame, Motion, measure_on};
+use surefoot::model::props::Shape;
 use surefoot::model::report::{Event, Outcome};
 use surefoot::model::scenario::{Carry, Direction, Push, Scenario, Throw, Turn, Walk};
 use surefoot::model::{Role, Side};
@@ -58,7 +59,7 @@ pub fn feet_hold(name: &str, baked: &Baked) {
 }
 
 fn box_of(kg: f64) -> Carry {
-    Carry { start: 0.0, end: None, mass: vec![[0.0, kg]], size: DVec3::new(0.4, 0.3, 0.3) }
+    Carry { start: 0.0, end: None, mass: vec![[0.0, kg]], size: vec![(0.0, DVec3::new(0.4, 0.3, 0.3))] }
 }
 
 fn carrying(kg: f64, toward: f64) -> Scenario {
@@ -127,7 +128,7 @@ fn the_hands_stay_at_the_box_through_a_shove() {
         let mut scenario = carrying(15.0, std::f64::consts::FRAC_PI_2);
         scenario.push[0].force = 250.0 * rig.body.mass / 89.5;
         scenario.carry[0].mass = vec![[0.0, 0.2 * rig.body.mass]];
-        scenario.carry[0].size = DVec3::new(0.22, 0.17, 0.17) * rig.body.height;
+        scenario.carry[0].size = vec![(0.0, DVec3::new(0.22, 0.17, 0.17) * rig.body.height)];
         let baked = baked(&rig, &scenario);
         feet_hold(&name, &baked);
         written(&rig, &baked, &format!("carry_{name}"));
@@ -195,6 +196,40 @@ fn what_is_carried_is_told_as_its_mean_weight_in_either_hand() {
         assert!((down - 0.5 * 4.5 * 9.81).abs() < 0.01 && one.force[0] == 0.0 && one.force[2] == 0.0, "{one:?}");
     }
     assert_eq!(baked.report.disturbances.iter().filter(|one| one.kind == "push").count(), 1);
+}
+
+#[test]
+fn a_box_that_grows_is_shown_so_and_keeps_the_hands_at_its_sides() {
+    let rig = builtin();
+    let sizes = [DVec3::new(0.30, 0.25, 0.24), DVec3::new(0.50, 0.32, 0.30)];
+    let carry = Carry { size: vec![(0.5, sizes[0]), (3.5, sizes[1])], ..box_of(6.0) };
+    for (name, drive) in [("stepper", Drive::Stepper), ("ragdoll", Drive::Ragdoll(Helped::Auto))] {
+        let title = format!("growing box {name}");
+        let scenario =
+            Scenario { title, duration: 4.5, push: Vec::new(), carry: vec![carry.clone()], ..Scenario::demo() };
+        let baked = bake(&rig, &scenario, &BakeOptions { drive, ..BakeOptions::default() }).expect("it bakes");
+        feet_hold(&format!("growing box {name}"), &baked);
+        written(&rig, &baked, &format!("growing_box_{name}"));
+        let prop = baked.props.iter().find(|prop| prop.name == "box").expect("there is the box");
+        let Shape::Box(first) = prop.shape else { panic!("a box") };
+        let mut sampler = rig.sampler(&baked.clip);
+        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+        for sample in 0..=90 {
+            let time = 0.05 * f64::from(sample);
+            let share = ((time - 0.5) / 3.0).clamp(0.0, 1.0);
+            let (key, size) = (prop.at(time), sizes[0].lerp(sizes[1], share));
+            assert!((key.scale * first).distance(size) < 1e-3, "{name} at {time:.2} s: {} m", key.scale * first);
+            let positions = sampler.sample(time).positions;
+            for (role, side) in [(Role::LeftHand, 1.0), (Role::RightHand, -1.0)] {
+                let wrist = positions[rig.body.joint(role).expect("a hand")];
+                let out = (key.rotation.inverse() * (wrist - key.translation)).x * side - 0.5 * size.x;
+                (least, most) = (least.min(out), most.max(out));
+            }
+        }
+        println!("{name}: wrists {:.1} to {:.1} mm out of the box's sides", 1e3 * least, 1e3 * most);
+        // A palm's half thickness is 2 cm; nobody sees a centimetre.
+        assert!(least > 0.0 && most < 0.04 && most - least < 0.015, "{name}");
+    }
 }
 
 #[test]

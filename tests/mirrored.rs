@@ -99,7 +99,7 @@ fn whatever_else_goes_to_a_side_goes_to_the_other_in_the_mirror() {
         Scenario { throw: vec![lane], ..Scenario::default() }
     };
     let mass = vec![[0.0, 8.0]];
-    let carry = Carry { start: 0.0, end: None, mass, size: glam::DVec3::new(0.4, 0.3, 0.3) };
+    let carry = Carry { start: 0.0, end: None, mass, size: vec![(0.0, glam::DVec3::new(0.4, 0.3, 0.3))] };
     let carrying = |degrees: f64| Scenario { carry: vec![carry.clone()], ..shoved(body, degrees, 60.0) };
     let ground = |kind: GroundKind, scenario: Scenario| Scenario { ground: Ground { kind, friction: 1.0 }, ..scenario };
     let slope = |degrees: f64| ground(GroundKind::Slope { angle: 0.12 }, shoved(body, degrees, 60.0));

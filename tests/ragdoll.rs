@@ -283,7 +283,7 @@ fn nobody_stands_on_a_slope_of_ice() {
 #[test]
 fn a_box_of_2_to_25_kg_is_held_and_a_shove_is_caught_with_it() {
     let carrying = |mass: Vec<[f64; 2]>, force: f64, toward: Direction| {
-        let carry = Carry { start: 0.0, end: None, mass, size: DVec3::new(0.4, 0.3, 0.3) };
+        let carry = Carry { start: 0.0, end: None, mass, size: vec![(0.0, DVec3::new(0.4, 0.3, 0.3))] };
         let mut scenario = shoved(force, toward);
         scenario.push[0].start = 3.0;
         alone(&Scenario { carry: vec![carry], duration: 6.0, ..scenario })

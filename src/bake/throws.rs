@@ -174,7 +174,7 @@ impl Toss {
         let Standing { body, pose, .. } = standing;
         let positions = pose.positions(body);
         let mut capsules = capsules(body, pose, &positions);
-        capsules.extend(standing.load.map(|load| boxed(load, pose, &positions)));
+        capsules.extend(standing.load.map(|load| boxed(load, pose, &positions, self.arrives)));
         let aim = self.aimed(body, pose).1;
         let (aim, velocity) = self.way(aim, standing.facing);
         let way = velocity.normalize_or(DVec3::NEG_Y);
@@ -229,11 +229,12 @@ fn nearest_on([from, to]: [DVec3; 2], point: DVec3) -> DVec3 {
 }
 
 /// A carried box as a capsule across.
-fn boxed(load: &Load, pose: &BodyPose, positions: &[DVec3]) -> Capsule {
-    let radius = 0.25 * (load.size.y + load.size.z);
-    let out = DVec3::X * (0.5 * load.size.x - radius).max(0.0);
+fn boxed(load: &Load, pose: &BodyPose, positions: &[DVec3], time: f64) -> Capsule {
+    let size = load.form_at(time).size;
+    let radius = 0.25 * (size.y + size.z);
+    let out = DVec3::X * (0.5 * size.x - radius).max(0.0);
     let turn = pose.turns[load.joint] * load.level;
-    let centre = load.centre_in(pose, positions);
+    let centre = load.centre_in(pose, positions, time);
     Capsule { ends: [centre - turn * out, centre + turn * out], radius, joint: load.joint }
 }
 

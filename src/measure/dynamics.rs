@@ -85,14 +85,15 @@ fn carry(track: &Track, body: &[DVec3], found: &mut Dynamics, inertial: &mut [Wr
     let mut filtered: Vec<DVec3> = found.com.iter().map(|com| *com * motion.body.mass).collect();
     let mut parts = Vec::new();
     for load in track.loads {
-        let path: Vec<DVec3> = (0..count).map(|i| load.centre_in(&motion.poses[i], track.positions(i))).collect();
+        let path: Vec<DVec3> =
+            (0..count).map(|i| load.centre_in(&motion.poses[i], track.positions(i), motion.time(i))).collect();
         let centre = filter::zero_lag(&path, CUTOFF_HZ, hz);
         let spin: Vec<DVec3> = (0..count)
             .map(|i| {
                 let (before, after) = (i.saturating_sub(1), (i + 1).min(count - 1));
                 let rate = hz / (after - before).max(1) as f64;
                 let spin = angular_velocity(&motion.poses[before], &motion.poses[after], load.joint, rate);
-                load.inertia(1.0, motion.poses[i].turns[load.joint]) * spin
+                load.inertia(1.0, motion.poses[i].turns[load.joint], motion.time(i)) * spin
             })
             .collect();
         let spin_rate = filter::derivative(&filter::zero_lag(&spin, CUTOFF_HZ, hz), hz);

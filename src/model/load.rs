@@ -8,12 +8,10 @@ use glam::{DMat3, DQuat, DVec3};
 pub struct Load {
     /// Index of the joint that it moves with (the uppermost of the spine).
     pub joint: usize,
-    /// m, from the joint to the box's centre, at rest.
-    pub centre: DVec3,
     /// What the joint's turn is multiplied with to turn the box: its edges along X, Y, Z.
     pub level: DQuat,
-    /// m: across, up, forward.
-    pub size: DVec3,
+    /// Its form over time, straight lines between; never none.
+    pub forms: Vec<Form>,
     /// (s, kg), straight lines between; what the character holds of it, so that it rises and falls as the box is taken up
     /// and put down.
     pub mass: Vec<[f64; 2]>,
@@ -21,7 +19,39 @@ pub struct Load {
     pub span: [f64; 2],
 }
 
+/// A box and how it is held at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Form {
+    /// s.
+    pub time: f64,
+    /// m: across, up, forward.
+    pub size: DVec3,
+    /// m, from the joint to the box's centre, at rest.
+    pub centre: DVec3,
+    /// m, the wrists from the box's centre along its edges, left and right.
+    pub wrists: [DVec3; 2],
+}
+
 impl Load {
+    /// Its form at a time.
+    pub fn form_at(&self, time: f64) -> Form {
+        let after = self.forms.partition_point(|form| form.time <= time);
+        match (after.checked_sub(1).map(|before| self.forms[before]), self.forms.get(after)) {
+            (Some(one), Some(next)) => {
+                let share = (time - one.time) / (next.time - one.time).max(1e-9);
+                Form {
+                    time,
+                    size: one.size.lerp(next.size, share),
+                    centre: one.centre.lerp(next.centre, share),
+                    wrists: [0, 1].map(|side| one.wrists[side].lerp(next.wrists[side], share)),
+                }
+            }
+            (Some(only), None) => only,
+            (None, Some(only)) => *only,
+            (None, None) => Form { time, size: DVec3::ONE, centre: DVec3::ZERO, wrists: [DVec3::ZERO; 2] },
+        }
+    }
+
     /// kg at a time; nothing outside of its span.
     pub fn mass_at(&self, time: f64) -> f64 {
         let there = time >= self.span[0] && time <= self.span[1];
@@ -40,14 +70,15 @@ impl Load {
         (end > start).then(|| whole / (end - start))
     }
 
-    /// m, its centre in a pose.
-    pub fn centre_in(&self, pose: &BodyPose, positions: &[DVec3]) -> DVec3 {
-        positions[self.joint] + pose.turns[self.joint] * self.centre
+    /// m, its centre in a pose of that time.
+    pub fn centre_in(&self, pose: &BodyPose, positions: &[DVec3], time: f64) -> DVec3 {
+        positions[self.joint] + pose.turns[self.joint] * self.form_at(time).centre
     }
 
-    /// kg m², about its centre, scenario axes, at a mass and a turn of its joint.
-    pub fn inertia(&self, mass: f64, turn: DQuat) -> DMat3 {
-        let square = self.size * self.size;
+    /// kg m², about its centre, scenario axes, at a mass and a turn of its joint and at a time.
+    pub fn inertia(&self, mass: f64, turn: DQuat, time: f64) -> DMat3 {
+        let size = self.form_at(time).size;
+        let square = size * size;
         let axes = DVec3::new(square.y + square.z, square.x + square.z, square.x + square.y) * (mass / 12.0);
         let turn = DMat3::from_quat(turn * self.level);
         turn * DMat3::from_diagonal(axes) * turn.transpose()
@@ -69,11 +100,14 @@ pub fn along(points: &[[f64; 2]], time: f64) -> f64 {
 mod tests {
     use super::*;
 
+    fn form(size: DVec3) -> Form {
+        Form { time: 0.0, size, centre: DVec3::ZERO, wrists: [DVec3::ZERO; 2] }
+    }
+
     #[test]
     fn a_mass_follows_its_lines_and_is_nothing_outside_of_its_span() {
         let mass = vec![[1.0, 2.0], [3.0, 10.0]];
-        let load =
-            Load { joint: 0, centre: DVec3::ZERO, level: DQuat::IDENTITY, size: DVec3::ONE, mass, span: [0.5, 4.0] };
+        let load = Load { joint: 0, level: DQuat::IDENTITY, forms: vec![form(DVec3::ONE)], mass, span: [0.5, 4.0] };
         for (time, kg) in [(0.4, 0.0), (0.5, 2.0), (2.0, 6.0), (3.0, 10.0), (4.0, 10.0), (4.1, 0.0)] {
             assert!((load.mass_at(time) - kg).abs() < 1e-12, "{time}: {}", load.mass_at(time));
         }
@@ -84,15 +118,14 @@ mod tests {
     fn a_long_box_is_hard_to_turn_across_its_length_however_it_is_held() {
         let load = Load {
             joint: 0,
-            centre: DVec3::ZERO,
             level: DQuat::IDENTITY,
-            size: DVec3::new(1.2, 0.1, 0.1),
+            forms: vec![form(DVec3::new(1.2, 0.1, 0.1))],
             mass: vec![[0.0, 12.0]],
             span: [0.0, 1.0],
         };
-        let straight = load.inertia(12.0, DQuat::IDENTITY);
+        let straight = load.inertia(12.0, DQuat::IDENTITY, 0.0);
         assert!((straight.x_axis.x - 0.02).abs() < 1e-12 && (straight.y_axis.y - 1.45).abs() < 1e-12, "{straight}");
-        let turned = load.inertia(12.0, DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2));
+        let turned = load.inertia(12.0, DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2), 0.0);
         assert!((turned.z_axis.z - 0.02).abs() < 1e-12 && (turned.x_axis.x - 1.45).abs() < 1e-12, "{turned}");
     }
 }

@@ -5,6 +5,7 @@
 //! `scenario_text`, what makes sense is decided in `scenario_rules`.
 //! Lanes keep the order of the file; entries of a lane need not stand in the order of their times.
 
+use super::load;
 use super::role::Role;
 use super::surface::Surface;
 use crate::maths::real;
@@ -302,8 +303,19 @@ pub struct Carry {
     pub end: Option<f64>,
     /// (s, kg), straight lines between; a constant mass is one entry.
     pub mass: Vec<[f64; 2]>,
-    /// m: across, up, forward.
-    pub size: DVec3,
+    /// (s, m: across, up, forward), straight lines between; a constant size is one entry.
+    pub size: Vec<(f64, DVec3)>,
+}
+
+impl Carry {
+    /// m: across, up, forward, at a time (s).
+    pub fn size_at(&self, time: f64) -> DVec3 {
+        let axis = |axis: usize| {
+            let lengths: Vec<[f64; 2]> = self.size.iter().map(|(at, size)| [*at, size[axis]]).collect();
+            load::along(&lengths, time)
+        };
+        DVec3::new(axis(0), axis(1), axis(2))
+    }
 }
 
 /// A mark on the timeline.

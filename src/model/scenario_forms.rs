@@ -58,6 +58,22 @@ pub(super) fn mass_curve(entry: &mut Reader<'_, '_>) -> Vec<[f64; 2]> {
     }
 }
 
+/// m: across, up, forward, or (s, those) points; `otherwise` where nothing is said.
+pub(super) fn size_curve(entry: &mut Reader<'_, '_>, otherwise: DVec3) -> Vec<(f64, DVec3)> {
+    let first = match entry.peek("size") {
+        Some(DeValue::Array(array)) => array.iter().next().map(|first| matches!(first.get_ref(), DeValue::Array(_))),
+        _ => None,
+    };
+    match first {
+        Some(true) => {
+            let points = entry.timed("size").unwrap_or_default();
+            let points: Vec<_> = points.into_iter().map(|(time, size)| (time, DVec3::from_array(size))).collect();
+            if points.is_empty() { vec![(0.0, otherwise)] } else { points }
+        }
+        _ => vec![(0.0, entry.numbers::<3>("size").map_or(otherwise, DVec3::from_array))],
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -178,8 +178,16 @@ impl Check {
             for (point, [_, mass]) in carry.mass.iter().enumerate() {
                 self.range(format!("{path}.mass.{point}.1"), *mass, (0.0, 200.0), "kg");
             }
-            for (axis, length) in carry.size.to_array().into_iter().enumerate() {
-                self.range(format!("{path}.size.{axis}"), length, (0.01, 3.0), "m");
+            if carry.size.is_empty() {
+                self.fault(format!("{path}.size"), "no size", "give [across, up, forward], or [[seconds, those], ...]");
+            }
+            let times: Vec<[f64; 2]> = carry.size.iter().map(|(time, size)| [*time, size.x]).collect();
+            self.curve(&format!("{path}.size"), &times);
+            for (point, (_, size)) in carry.size.iter().enumerate() {
+                let place = if carry.size.len() == 1 { String::new() } else { format!(".{point}.1") };
+                for (axis, length) in size.to_array().into_iter().enumerate() {
+                    self.range(format!("{path}.size{place}.{axis}"), length, (0.01, 3.0), "m");
+                }
             }
             let end = |carry: &Carry| carry.end.unwrap_or(self.duration);
             let other = scenario.carry[..index]
@@ -230,7 +238,7 @@ mod tests {
 
     #[test]
     fn two_boxes_need_four_hands() {
-        let carry = Carry { start: 0.0, end: None, mass: vec![[0.0, 2.0]], size: DVec3::splat(0.3) };
+        let carry = Carry { start: 0.0, end: None, mass: vec![[0.0, 2.0]], size: vec![(0.0, DVec3::splat(0.3))] };
         let mut scenario =
             Scenario { carry: vec![carry.clone(), Carry { start: 2.0, ..carry }], ..Scenario::default() };
         assert_eq!(paths(&scenario), ["carry.1.start"]);

@@ -169,6 +169,32 @@ impl<'r, 'i> Reader<'r, 'i> {
         good.then_some(points)
     }
 
+    /// An array of [time, [three numbers]].
+    pub(super) fn timed(&mut self, key: &'static str) -> Option<Vec<(f64, [f64; 3])>> {
+        let value = self.value(key)?;
+        let path = self.path_of(key);
+        let DeValue::Array(array) = value.get_ref() else { return None };
+        let mut points = Vec::with_capacity(array.len());
+        for (index, pair) in array.iter().enumerate() {
+            let place = format!("{path}.{index}");
+            self.places.set(place.clone(), pair.span());
+            let parts = match pair.get_ref() {
+                DeValue::Array(parts) if parts.len() == 2 => parts,
+                other => {
+                    let message = format!("`{key}` must be pairs of a time and three lengths, this is {}", kind(other));
+                    self.fault(place, pair.span(), message, "give [[seconds, [across, up, forward]], ...]");
+                    continue;
+                }
+            };
+            self.places.set(format!("{place}.0"), parts[0].span());
+            self.places.set(format!("{place}.1"), parts[1].span());
+            let time = self.number_of(format!("{place}.0"), &parts[0]);
+            let three = self.numbers_of::<3>(&format!("{place}.1"), &parts[1]);
+            points.extend(time.zip(three));
+        }
+        (points.len() == array.len()).then_some(points)
+    }
+
     /// A table under a key.
     pub(super) fn table(&mut self, key: &'static str) -> Option<Reader<'_, 'i>> {
         let value = self.value(key)?;

@@ -6,7 +6,7 @@
 
 use super::scenario::{Carry, Crouch, Feet, Marker, Push, Scenario, Stand, Throw, Turn, Walk};
 use super::scenario_errors::{ScenarioErrors, ScenarioSource, TextFault};
-use super::scenario_forms::{direction, mass_curve, radius, role};
+use super::scenario_forms::{direction, mass_curve, radius, role, size_curve};
 use super::scenario_reader::Reader;
 use super::scenario_tables::{base, character, ground, stepper};
 use glam::DVec3;
@@ -100,7 +100,7 @@ fn scenario(name: &str, mut root: Reader<'_, '_>) -> Scenario {
         start: entry.required_number("start"),
         end: entry.number("end"),
         mass: mass_curve(entry),
-        size: entry.numbers::<3>("size").map_or(DVec3::new(0.4, 0.3, 0.3), DVec3::from_array),
+        size: size_curve(entry, DVec3::new(0.4, 0.3, 0.3)),
     });
     let marker = root.lane("marker", |entry| Marker {
         time: entry.required_number("time"),
@@ -272,6 +272,31 @@ mod tests {
             ("[ground]\nkind = \"ice\"".to_owned(), 2, "give \"flat\""),
             ("[ground]\nkind = \"flat\"\nangle = 4".to_owned(), 3, "unknown key `angle`"),
             ("[ground]\nkind = \"slope\"".to_owned(), 1, "has no `angle`"),
+            ("[ground]\nkind = \"mesh\"".to_owned(), 1, "has no `file`"),
+            ("[ground]\nkind = \"mesh\"\nfile = \" \"".to_owned(), 3, "name of the file is empty"),
+            ("[ground]\nkind = \"mesh\"\nfile = \"a.glb\"\nceiling = 0".to_owned(), 4, "0 m is out of range"),
+            (
+                "[[carry]]\nstart = 0\nmass = 1\nsize = [[0, [1, 1, 1]], [0, [1, 1, 2]]]".to_owned(),
+                4,
+                "does not come after",
+            ),
+            (
+                "[[carry]]\nstart = 0\nmass = 1\nsize = [[0, [1, 1, 1]], [1, [1, 0, 2]]]".to_owned(),
+                4,
+                "0 m is out of range",
+            ),
+            (
+                "[[carry]]\nstart = 0\nmass = 1\nsize = [[0, [1, 1, 1]], [1, [1, -2, 2]]]".to_owned(),
+                4,
+                "-2 m is out of range",
+            ),
+            ("[[carry]]\nstart = 0\nmass = 1\nsize = [[0, 0.3], [1, 0.4]]".to_owned(), 4, "must be 3 numbers"),
+            (
+                "[[carry]]\nstart = 0\nmass = 1\nsize = [[0, [1, 1, 1]], 3]".to_owned(),
+                4,
+                "pairs of a time and three lengths",
+            ),
+            ("[[carry]]\nstart = 0\nmass = 1\nsize = [0.3, 0.3]".to_owned(), 4, "must be 3 numbers"),
             ("[character]\nagility = 1.01".to_owned(), 2, "give 0 to 1"),
             ("[character]\narms = 1\nbreathing = -0.5".to_owned(), 3, "give 0 to 1"),
             ("title = \"a\"\ntitle = \"b\"".to_owned(), 2, "duplicate key"),

@@ -177,7 +177,11 @@ fn carry(text: &mut String, carried: &Carry) {
         pair(text, "end", &number(end));
     }
     pair(text, "mass", &points(&carried.mass));
-    pair(text, "size", &list(&carried.size.to_array()));
+    let sizes: Vec<String> = match carried.size.as_slice() {
+        [(_, only)] => only.to_array().map(number).to_vec(),
+        many => many.iter().map(|(time, size)| format!("[{}, {}]", number(*time), list(&size.to_array()))).collect(),
+    };
+    pair(text, "size", &format!("[{}]", sizes.join(", ")));
 }
 
 fn span(text: &mut String, lane: &str, start: f64, duration: Option<f64>) {
@@ -254,6 +258,7 @@ mod tests {
         let mut texts: Vec<String> =
             grounds.iter().map(|ground| format!("title = \"a \\\"b\\\"\"\n[ground]\n{ground}\n")).collect();
         texts.push(every);
+        texts.push("[[carry]]\nstart = 0\nmass = 3\nsize = [[0, [0.3, 0.2, 0.2]], [2.5, [0.6, 0.2, 0.4]]]\n".into());
         texts.push("duration = 3\n[[push]]\nstart = 1\nduration = 0.1\nforce = 100\ntoward = -33.3\n[[push]]\nstart = 2\nduration = 0.1\nforce = 100\ntoward = [0.1, 0, -1]\n".into());
         for text in texts {
             let scenario = parse("a.toml", &text).unwrap_or_else(|errors| panic!("{errors}"));

@@ -295,7 +295,8 @@ mod tests {
         assert_eq!(other_keys(&fewer).len(), 1);
         let wider = planted(|keys| keys["push"]["items"]["properties"]["force"]["maximum"] = json!(30_000));
         assert_eq!(other_ends(&wider).1.len(), 1);
-        let narrower = planted(|keys| keys["carry"]["items"]["properties"]["size"]["items"]["minimum"] = json!(0.5));
+        let narrower =
+            planted(|keys| keys["carry"]["items"]["properties"]["size"]["anyOf"][0]["items"]["minimum"] = json!(0.5));
         assert_eq!(other_ends(&narrower).1.len(), 1);
         let word = planted(|keys| keys["stand"]["items"]["properties"]["on"]["enum"] = json!(["both", "left"]));
         assert_eq!(other_words(&word).len(), 1);

@@ -61,6 +61,7 @@ pub(super) struct Held {
     size: DVec3,
     hands: [usize; 2],
     welds: [Weld; 2],
+    wrists: Option<[DVec3; 2]>, // m, from its centre along its edges, as it was taken up
     body: Loose,
 }
 
@@ -215,8 +216,20 @@ impl World {
         };
         let (velocity, spin) = self.body.motion_at(left, centre);
         let body = Loose { mass, inertia: DVec3::ONE, place: centre, turn, velocity, spin, falls: true };
-        self.held = Some(Held { size, hands: [left, right], welds: [weld(left), weld(right)], body });
+        self.held = Some(Held { size, hands: [left, right], welds: [weld(left), weld(right)], wrists: None, body });
         self.weigh(mass);
+    }
+
+    /// The box has that size now (m: across, up, forward), and the wrists are so far from its centre, along its edges: what fixes the
+    /// hands to it goes along with its sides.
+    pub fn reshape(&mut self, size: DVec3, wrists: [DVec3; 2]) {
+        if let Some(held) = &mut self.held {
+            held.size = size;
+            let first = *held.wrists.get_or_insert(wrists);
+            for (weld, (now, then)) in held.welds.iter_mut().zip(wrists.iter().zip(first)) {
+                weld.at[1] = *now - then;
+            }
+        }
     }
 
     /// The box weighs that now (kg).

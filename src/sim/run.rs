@@ -261,12 +261,13 @@ impl Run {
                 let state = self.states[link];
                 let turn = state.turn * figure.stand.turns[load.joint];
                 let joint = state.origin + state.turn * figure.joint_in_link(body, load.joint);
-                let mass = load.mass_at(time);
-                self.world.take_up(figure, load.size, mass, joint + turn * load.centre, turn * load.level);
+                let (mass, form) = (load.mass_at(time), load.form_at(time));
+                self.world.take_up(figure, form.size, mass, joint + turn * form.centre, turn * load.level);
             }
         }
         let load = &loads[due?];
-        let mass = load.mass_at(time);
+        let (mass, form) = (load.mass_at(time), load.form_at(time));
+        self.world.reshape(form.size, form.wrists);
         self.world.weigh(mass);
         self.world.laden(figure, &self.states, mass)
     }

@@ -148,7 +148,7 @@ impl Lane {
                 start,
                 end: None,
                 mass: vec![[start, 5.0]],
-                size: glam::DVec3::new(0.4, 0.3, 0.3),
+                size: vec![(start, glam::DVec3::new(0.4, 0.3, 0.3))],
             }),
         }
     }
@@ -210,6 +210,7 @@ impl Entry {
                 carry.start = to;
                 carry.end = carry.end.map(|end| end + by);
                 carry.mass.iter_mut().for_each(|point| point[0] += by);
+                carry.size.iter_mut().for_each(|point| point.0 = (point.0 + by).max(0.0));
             }
         }
         moved

@@ -11,6 +11,7 @@ use super::stand::TRUNK_LEAN;
 use crate::maths::curve::soft_limit;
 use crate::maths::quat::limb_frame;
 use crate::maths::two_bone_ik::two_bone_ik;
+use crate::model::load::Form;
 use crate::model::{Body, Load, Role, Side};
 use glam::{DQuat, DVec3};
 
@@ -40,12 +41,15 @@ pub struct Grip {
     pub level: DQuat,
     ahead: f64,            // m, box centre ahead of the spine
     arms: [[DQuat; 2]; 2], // left, right: upper arm and forearm from hanging, relative to the chest
+    size: DVec3,           // m: across, up, forward
+    wrists: [DVec3; 2],    // m, from the box's centre along its edges
     body: (f64, f64),      // kg, m height
 }
 
 impl Grip {
-    /// For a box of that size (m: across, up, forward) whose greatest mass is `heaviest` (kg): under that one it is level.
-    pub fn new(body: &Body, anatomy: &Anatomy, size: DVec3, heaviest: f64) -> Grip {
+    /// For a box of that size (m: across, up, forward) whose greatest mass is `heaviest` (kg) and greatest depth `deepest` (m): under
+    /// those it is level.
+    pub fn new(body: &Body, anatomy: &Anatomy, size: DVec3, (heaviest, deepest): (f64, f64)) -> Grip {
         let upright = anatomy.torso_upright;
         let joint = anatomy.spine.last().copied().unwrap_or(0);
         let of = |other: usize| upright * (body.joints[other].rest - body.joints[joint].rest);
@@ -64,10 +68,13 @@ impl Grip {
             level: DQuat::IDENTITY,
             ahead: belly + 0.5 * size.z - spine.z,
             arms: [[DQuat::IDENTITY; 2]; 2],
+            size,
+            wrists: [DVec3::ZERO; 2],
             body: (body.mass, body.height),
         };
         // The level frame about the joint, in which the chest is turned by what it leans.
-        let chest = DQuat::from_rotation_x(TRUNK_LEAN - grip.lean(heaviest));
+        let most = Grip { ahead: belly + 0.5 * deepest - spine.z, ..grip.clone() };
+        let chest = DQuat::from_rotation_x(TRUNK_LEAN - most.lean(heaviest));
         let level = chest.inverse();
         let middle = chest * ((shoulder(Side::Left) + shoulder(Side::Right)) * 0.5);
         let hands = middle.y - HAND_DROP * upper;
@@ -80,6 +87,7 @@ impl Grip {
             let reach = 0.7 * (upper + forearm) + (root.x - middle.x).abs();
             let out = (0.5 * size.x + PALM_HALF * body.height).min(reach);
             let wrist = DVec3::new(middle.x + side.sign() * out, hands - 0.1 * size.y, palm - PALM * forearm);
+            grip.wrists[side as usize] = wrist - centre;
             let pole = level * DVec3::new(0.35 * side.sign(), -0.6, -1.0);
             let [upper, forearm] = length(side);
             let chain = two_bone_ik(root, level * wrist, upper, forearm, pole, 0.98);
@@ -104,8 +112,26 @@ impl Grip {
         Hold { mass, joint: self.joint, centre: self.centre, weight: arms, arms: self.arms, lean: self.lean(mass) }
     }
 
+    /// Between this grip and another of the same box in another size.
+    pub fn towards(&self, other: &Grip, share: f64) -> Grip {
+        let mix = |one: DVec3, next: DVec3| one.lerp(next, share);
+        Grip {
+            centre: mix(self.centre, other.centre),
+            ahead: self.ahead + (other.ahead - self.ahead) * share,
+            arms: [0, 1].map(|side| [0, 1].map(|bone| self.arms[side][bone].slerp(other.arms[side][bone], share))),
+            size: mix(self.size, other.size),
+            wrists: [0, 1].map(|side| mix(self.wrists[side], other.wrists[side])),
+            ..self.clone()
+        }
+    }
+
+    /// The box's form at a time (s).
+    pub fn form(&self, time: f64) -> Form {
+        Form { time, size: self.size, centre: self.centre, wrists: self.wrists }
+    }
+
     /// The box as a mass that moves with the trunk.
-    pub fn load(&self, size: DVec3, mass: Vec<[f64; 2]>, span: [f64; 2]) -> Load {
-        Load { joint: self.joint, centre: self.centre, level: self.level, size, mass, span }
+    pub fn load(&self, forms: Vec<Form>, mass: Vec<[f64; 2]>, span: [f64; 2]) -> Load {
+        Load { joint: self.joint, level: self.level, forms, mass, span }
     }
 }

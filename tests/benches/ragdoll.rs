@@ -337,7 +337,12 @@ fn balls(rig: &Rig) {
 
 /// A box whose mass grows from 2 to 25 kg, and a shove from sixteen sides.
 fn boxes(rig: &Rig) {
-    let carry = Carry { start: 0.0, end: None, mass: vec![[0.0, 2.0], [5.0, 25.0]], size: DVec3::new(0.4, 0.3, 0.3) };
+    let carry = Carry {
+        start: 0.0,
+        end: None,
+        mass: vec![[0.0, 2.0], [5.0, 25.0]],
+        size: vec![(0.0, DVec3::new(0.4, 0.3, 0.3))],
+    };
     let up = |helped: Helped| {
         (0..16)
             .into_par_iter()

@@ -13,6 +13,7 @@ use crate::bake::timeline::Timeline;
 use crate::maths::curve::smooth5;
 use crate::maths::quat::wrap_angle;
 use crate::measure::KnownPush;
+use crate::model::load::Form;
 use crate::model::{BodyPose, Load, Plant, Side};
 use crate::stepper::Step;
 use crate::whole_body::{ArmAngles, FootTarget, PoseTarget, Solver};
@@ -133,7 +134,16 @@ impl<'a> Looped<'a> {
                 let again = times.iter().map(|time| [cycle as f64 * period + time, load.mass_at(start + time)]);
                 mass.extend(again);
             }
-            Load { mass, span: [-1.0, cycles as f64 * period + 1.0], ..load.clone() }
+            let changes: Vec<f64> = (load.forms.iter().map(|form| form.time - start))
+                .filter(|time| *time > 1e-6 && *time < period - 1e-6)
+                .chain([period])
+                .collect();
+            let mut forms = vec![Form { time: 0.0, ..load.form_at(start) }];
+            for cycle in 0..cycles {
+                let again = |time: &f64| Form { time: cycle as f64 * period + time, ..load.form_at(start + time) };
+                forms.extend(changes.iter().map(again));
+            }
+            Load { mass, forms, span: [-1.0, cycles as f64 * period + 1.0], ..load.clone() }
         };
         self.timeline.loads.iter().filter(held).map(one).collect()
     }

@@ -245,12 +245,30 @@ fn carry_rows(
         }
     });
     ui.end_row();
-    for (axis, name) in ["Across", "Up", "Forward"].into_iter().enumerate() {
-        let number = Number::new(name, 0.05..=2.0, "size of the box").unit("m", 0.01, 2);
-        number.row(ui, carry.size[axis], commands, |value| {
-            let mut changed = carry.clone();
-            changed.size[axis] = value;
-            edit(changed)
-        });
+    for (index, (time, size)) in carry.size.iter().enumerate() {
+        for (axis, name) in ["Across", "Up", "Forward"].into_iter().enumerate() {
+            let name = if carry.size.len() == 1 { name.to_owned() } else { format!("{name} at {time:.2} s") };
+            let number = Number::new(&name, 0.05..=2.0, "size of the box").unit("m", 0.01, 2);
+            number.row(ui, size[axis], commands, |value| {
+                let mut changed = carry.clone();
+                changed.size[index].1[axis] = value;
+                edit(changed)
+            });
+        }
     }
+    ui.label("Grows").on_hover_text("the size goes in a straight line from point to point");
+    ui.horizontal(|ui| {
+        if ui.small_button("Add a size").clicked() {
+            let mut changed = carry.clone();
+            let (time, size) = changed.size.last().copied().unwrap_or((carry.start, glam::DVec3::splat(0.3)));
+            changed.size.push((time + 1.0, size));
+            commands.push(Command::Edit(edit(changed)));
+        }
+        if carry.size.len() > 1 && ui.small_button("Remove the last size").clicked() {
+            let mut changed = carry.clone();
+            changed.size.pop();
+            commands.push(Command::Edit(edit(changed)));
+        }
+    });
+    ui.end_row();
 }
