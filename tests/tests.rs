@@ -82,8 +82,10 @@ mod limits_grid;
 mod looped;
 /// What the measures say of a walk over force plates.
 mod measure;
-/// Grounds of triangles: kerbs, ramps, steps, ledges, walls; files that are broken.
+/// Grounds of triangles: kerbs, ramps, steps, ledges, walls.
 mod mesh_ground;
+/// Their files: broken ones, where they are found, how fast they answer.
+mod mesh_level;
 /// The articulated body in the mirror: a scenario and its mirror image.
 mod mirrored;
 /// Clips of every kind: sizes, ways, feet, writing back.

@@ -117,6 +117,10 @@ mod tests {
                     None => schema.get("minimum").cloned().unwrap_or(json!(0)),
                 },
                 (_, Some("string")) => json!("x"),
+                (_, Some("array")) => {
+                    let count = schema["minItems"].as_u64().unwrap_or(1) as usize;
+                    Value::Array(vec![self.sample(&schema["items"]); count])
+                }
                 _ => schema["enum"][0].clone(),
             }
         }

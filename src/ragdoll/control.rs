@@ -132,6 +132,12 @@ pub struct Controller {
 }
 
 impl Controller {
+    /// Counts heights from the floor (m) that the figure stands on, not from y = 0.
+    pub fn stands_at(&mut self, floor: f64) {
+        self.stand_height -= floor;
+        self.pelvis_height -= floor;
+    }
+
     /// For a figure that stands.
     pub fn new(figure: &Figure, world: &World, tuning: Tuning) -> Controller {
         let mut states = Vec::new();
