@@ -1,7 +1,7 @@
 //! Stands and walks on slopes, stairs, rolling ground and a platform that turns: what the feet hold, and the props beside.
 //!
-//! Slip and depth keep the limits of clips on level ground. The friction that is needed is printed, not held: the stepper
-//! knows no friction limit here. The files stay in target/baked for the scripts of tests/tools.
+//! Slip and depth keep the limits of clips on level ground. The friction that is needed is printed; `ground` holds
+//! what the controller asks for. The files stay in target/baked for the scripts of tests/tools.
 
 #![expect(clippy::print_stdout, reason = "tests tell what they measured")]
 
@@ -11,6 +11,7 @@ use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 use serde_json::Value;
 use surefoot::bake::{BakeOptions, Baked, RootMotion, bake};
+use surefoot::maths::seed::Seed;
 use surefoot::measure::percentile;
 
 use crate::common::builtin;
@@ -140,6 +141,28 @@ fn stands_and_walks_on_rolling_ground_and_stairs_keep_their_feet() {
         .extend((2..5).map(|seed| scenario(&format!("uneven {seed}"), 6.0, &format!("{}{}", uneven(seed), walk(1.2)))));
     let all: Vec<Held> = scenarios.par_iter().map(|scenario| held(&rig, scenario).0).collect();
     hold(&all);
+}
+
+#[test]
+fn what_a_clip_of_a_walk_on_slippery_ground_asks_for_is_what_the_ground_has() {
+    let rig = builtin();
+    let mut draw = Seed::new(5);
+    let mut scenarios = Vec::new();
+    for friction in [0.1, 0.3] {
+        for _ in 0..3 {
+            let speed = draw.between(0.6, 1.4);
+            let text = format!("[ground]\nfriction = {friction}\n[[walk]]\nstart = 0.5\nspeed = {speed}\n");
+            scenarios.push((friction, scenario(&format!("friction {friction} at {speed:.2}"), 7.0, &text)));
+        }
+    }
+    let all: Vec<(f64, Baked)> =
+        scenarios.par_iter().map(|(friction, scenario)| (*friction, held(&rig, scenario).1)).collect();
+    for (friction, baked) in all {
+        let needed = baked.report.plausibility.friction_p99;
+        // the pressure's roll from foot to foot takes its time: that much is not the gait's to spare
+        assert!(needed <= friction + 0.03, "{}: {needed:.3}", baked.report.scenario);
+        assert_eq!(baked.report.outcome, Outcome::Step, "{}", baked.report.scenario);
+    }
 }
 
 #[test]

@@ -37,44 +37,189 @@ fn walked(kind: &GroundKind, heading: f64, seed: u64) -> (Trace, f64) {
     (simulate(&Physique::REFERENCE, &script, &options(20.0, 0.5)), speed)
 }
 
-/// Mean speed along the heading over the last whole seconds, over the commanded one.
+/// Mean speed along the heading over the whole strides of the last 5 s, over the commanded one.
 fn held_speed(trace: &Trace, heading: f64, speed: f64) -> f64 {
     let way = DVec2::new(heading.sin(), heading.cos());
-    let at = |index: usize| DVec2::new(trace.ticks[index].com.x, trace.ticks[index].com.z).dot(way);
-    let last = trace.ticks.len() - 1;
-    (at(last) - at(last - 400)) / (4.0 * speed)
+    let end = (trace.ticks.len() - 1) as f64 * trace.dt;
+    let last = trace.steps.last().expect("it walks");
+    let lands = trace.steps.iter().filter(|step| step.side == last.side && step.land > end - 5.0);
+    let first = lands.min_by(|a, b| a.land.total_cmp(&b.land)).expect("the last one at least");
+    let at = |time: f64| {
+        let com = trace.ticks[(time / trace.dt).round() as usize].com;
+        DVec2::new(com.x, com.z).dot(way)
+    };
+    (at(last.land) - at(first.land)) / ((last.land - first.land) * speed)
 }
 
-/// (walked through, mean speed over the commanded one) of 20 seeds.
-fn twenty(name: &str, kind: &GroundKind, heading: f64) -> (usize, f64) {
-    let mut through = 0;
-    let mut speeds = Vec::new();
+/// Of 20 seeds, how many walk through, and the speed over the commanded one: the mean, and what is farthest off.
+fn twenty(name: &str, kind: &GroundKind, heading: f64) -> (usize, [f64; 2]) {
+    let mut through = 0_u32;
+    let (mut sum, mut worst) = (0.0, 1.0_f64);
     for seed in 0..20 {
         let (trace, speed) = walked(kind, heading, seed);
         match trace.lost {
             None => {
                 through += 1;
-                speeds.push(held_speed(&trace, heading, speed));
+                let held = held_speed(&trace, heading, speed);
+                sum += held;
+                worst = if (held - 1.0).abs() > (worst - 1.0).abs() { held } else { worst };
             }
             Some(time) => eprintln!("{name}: seed {seed} fell at {time:.1} s"),
         }
     }
-    let mean = speeds.iter().sum::<f64>() / speeds.len().max(1) as f64;
-    eprintln!("{name}: {through} of 20 walk for 20 s, speed {mean:.3} of the commanded");
-    (through, mean)
+    let mean = sum / f64::from(through.max(1));
+    eprintln!("{name}: {through} of 20 walk for 20 s, speed {mean:.3} of the commanded, at worst {worst:.3}");
+    (through as usize, [mean, worst])
 }
 
 #[test]
-fn walks_up_down_and_across_a_slope_of_25_degrees() {
-    for (name, degrees, heading) in [
-        ("25 degrees up", 25.0, 0.0),
-        ("25 degrees down", -25.0, 0.0),
-        ("25 degrees across", 25.0, std::f64::consts::FRAC_PI_2),
-    ] {
-        let (through, speed) = twenty(name, &GroundKind::Slope { angle: f64::to_radians(degrees) }, heading);
+fn walks_up_down_and_across_slopes_at_the_commanded_speed() {
+    let across = std::f64::consts::FRAC_PI_2;
+    let up_and_down = [5.0, 15.0, 25.0, -5.0, -15.0, -25.0].map(|degrees| (degrees, 0.0));
+    for (degrees, heading) in up_and_down.into_iter().chain([(25.0, across)]) {
+        let name = format!("{degrees} degrees, heading {heading:.1}");
+        let (through, [mean, worst]) = twenty(&name, &GroundKind::Slope { angle: f64::to_radians(degrees) }, heading);
         assert_eq!(through, 20, "{name}");
-        assert!((speed - 1.0).abs() < 0.05, "{name}: {speed}");
+        assert!((mean - 1.0).abs() < 0.05, "{name}: {mean}");
+        // Goal: each within 5 % everywhere. 25 degrees down, one of 20 is 11 % off.
+        let steep = degrees < -20.0 || heading != 0.0;
+        assert!(steep || (worst - 1.0).abs() < 0.05, "{name}: {worst}");
     }
+}
+
+/// Means over the touchdowns of the last 10 s, metres and m/s.
+#[derive(Debug, Default)]
+struct Touchdown {
+    /// From the centre of mass to the foot that lands, along the way.
+    ahead: f64,
+    /// What the energy of a pole vault makes of it.
+    vaulted: f64,
+}
+
+/// Steady walking straight on, undisturbed, by what the trace shows: at each touchdown v, h over the foot that stands and s, and v' when
+/// the centre of mass is over the foot that has landed.
+fn touchdowns(degrees: f64, speed: f64) -> Touchdown {
+    let kind = if degrees == 0.0 { GroundKind::Flat } else { GroundKind::Slope { angle: degrees.to_radians() } };
+    let walk = Walk { start: 0.3, duration: None, speed, heading: 0.0, facing: None };
+    let script = Script { terrain: terrain(kind), walk: vec![walk], ..Script::standing(&[]) };
+    let trace = simulate(&Physique::REFERENCE, &script, &options(20.0, 0.5));
+    assert!(trace.lost.is_none(), "{degrees} degrees, {speed} m/s");
+    let (mut sum, mut count) = (Touchdown::default(), 0.0);
+    for pair in trace.steps.windows(2).filter(|pair| pair[1].land > 10.0) {
+        let landed = (pair[1].land / trace.dt).round() as usize;
+        let (now, foot) = (&trace.ticks[landed], pair[1].to.ankle);
+        let Some(over) = trace.ticks[landed..].iter().find(|tick| tick.com.z >= foot.z) else { continue };
+        let (v, left) = (now.velocity.z, over.velocity.z);
+        let drop = now.com.y - foot.y; // h - s
+        let apex = drop + (v * v - left * left) / (2.0 * 9.81); // the rigid leg's length
+        sum.ahead += foot.z - now.com.z;
+        sum.vaulted += (apex * apex - drop * drop).max(0.0).sqrt();
+        count += 1.0;
+    }
+    Touchdown { ahead: sum.ahead / count, vaulted: sum.vaulted / count }
+}
+
+#[test]
+fn feet_land_as_far_ahead_as_a_vault_over_the_slope_says() {
+    for speed in [0.7, 1.0] {
+        let level = touchdowns(0.0, speed);
+        let of = |degrees: f64| {
+            let found = touchdowns(degrees, speed);
+            // the pressure rolls under the feet: the pivot is behind the ankle, on any slope by as much as on the level
+            let [ahead, vaulted] = [found.ahead - level.ahead, found.vaulted - level.vaulted];
+            eprintln!(
+                "{speed} m/s, {degrees} degrees: lands {ahead:+.3} m farther ahead, by the vault {vaulted:+.3} m"
+            );
+            (ahead, vaulted)
+        };
+        // longer and shorter steps roll otherwise: that much of the distance is not the vault's; more at 1 m/s
+        for (degrees, rolls) in [(5.0, 0.02), (15.0, 0.035), (25.0, 0.06)] {
+            let (up, down) = (of(degrees), of(-degrees));
+            for (ahead, vaulted) in [up, down] {
+                assert!(
+                    speed > 0.9 || (ahead - vaulted).abs() < rolls && ahead * vaulted > 0.0,
+                    "{degrees} degrees, {speed} m/s: {ahead}, by the vault {vaulted}"
+                );
+            }
+            assert!(down.0 > up.0 + 0.01, "{degrees} degrees, {speed} m/s: {} {}", up.0, down.0);
+        }
+        assert!(of(15.0).0 < -0.02 && of(-15.0).0 > 0.01, "{speed} m/s");
+    }
+}
+
+/// How many of 16 directions of 100 N for 0.2 s, in the midst of a walk, stay up for 20 s.
+fn pushed(kind: &GroundKind, speed: f64) -> usize {
+    let stays = |direction: i32| {
+        let push = shove(8.0 + 0.05 * f64::from(direction), f64::from(direction) * std::f64::consts::TAU / 16.0, 100.0);
+        let walk = Walk { start: 0.3, duration: None, speed, heading: 0.0, facing: None };
+        let script = Script { terrain: terrain(kind.clone()), walk: vec![walk], ..Script::standing(&[push]) };
+        simulate(&Physique::REFERENCE, &script, &options(20.0, 0.5)).lost.is_none()
+    };
+    (0..16).filter(|direction| stays(*direction)).count()
+}
+
+#[test]
+fn pushes_in_the_midst_of_a_walk_leave_it_on_its_feet_on_any_ground() {
+    let mut grounds: Vec<GroundKind> = [5.0, 15.0, 25.0, -5.0, -15.0, -25.0]
+        .map(|degrees| GroundKind::Slope { angle: f64::to_radians(degrees) })
+        .to_vec();
+    grounds.push(GroundKind::Uneven { height: 0.05, wavelength: 1.5, seed: 4 });
+    for kind in grounds {
+        let up = pushed(&kind, 0.9);
+        eprintln!("{kind:?}: {up} of 16 directions stay up");
+        assert!(up >= 15, "{kind:?}: {up}");
+    }
+    let stairs: usize = [0.17, -0.17]
+        .iter()
+        .flat_map(|rise| [0.4, 0.5].map(|speed| (*rise, speed)))
+        .map(|(rise, speed)| {
+            let up = pushed(&GroundKind::Stairs { rise, tread: 0.29, count: 40 }, speed);
+            eprintln!("stairs {rise} at {speed} m/s: {up} of 16 directions stay up");
+            up
+        })
+        .sum();
+    assert!(stairs >= 60, "stairs: {stairs} of 64");
+}
+
+#[test]
+fn a_drag_of_80_n_either_way_costs_no_speed_on_slopes() {
+    for degrees in [0.0, 15.0, -15.0] {
+        for newtons in [80.0, -80.0] {
+            let push = SessionPush { duration: 99.0, ..shove(5.0, 0.0, newtons) };
+            let walk = Walk { start: 0.3, duration: None, speed: 1.0, heading: 0.0, facing: None };
+            let terrain = terrain(GroundKind::Slope { angle: f64::to_radians(degrees) });
+            let script = Script { terrain, walk: vec![walk], ..Script::standing(&[push]) };
+            let trace = simulate(&Physique::REFERENCE, &script, &options(20.0, 0.5));
+            let speed = held_speed(&trace, 0.0, 1.0);
+            eprintln!("{newtons} N at {degrees} degrees: speed {speed:.3}");
+            assert!(trace.lost.is_none() && (speed - 1.0).abs() < 0.05, "{newtons} N, {degrees} degrees: {speed}");
+        }
+    }
+}
+
+/// (speed, mean step length, most that the ground is asked for over its load) of a walk told to go at 1.2 m/s.
+fn on_friction(friction: f64) -> (f64, f64, f64) {
+    let walk = Walk { start: 0.3, duration: None, speed: 1.2, heading: 0.0, facing: None };
+    let terrain = Terrain::new(&Ground { friction, ..Ground::default() });
+    let script = Script { terrain, walk: vec![walk], ..Script::standing(&[]) };
+    let trace = simulate(&Physique::REFERENCE, &script, &options(15.0, 0.5));
+    assert!(trace.lost.is_none(), "falls on {friction}");
+    let asked = trace
+        .ticks
+        .iter()
+        .map(|tick| DVec2::new(tick.acceleration.x, tick.acceleration.z).length() / (9.81 + tick.acceleration.y));
+    let late: Vec<_> = trace.steps.iter().filter(|step| step.land > 8.0).collect();
+    let length = (late[late.len() - 1].to.ankle.z - late[0].to.ankle.z) / (late.len() - 1) as f64;
+    (held_speed(&trace, 0.0, 1.0), length, asked.fold(0.0, f64::max))
+}
+
+#[test]
+fn slippery_ground_is_walked_in_short_careful_steps() {
+    let [ice, wet, dry] = [0.1, 0.3, 1.0].map(on_friction);
+    eprintln!("friction 0.1: {ice:.2?}, 0.3: {wet:.2?}, 1: {dry:.2?}");
+    assert!(ice.0 < 0.6 && ice.1 < 0.35 && ice.2 <= 0.1, "{ice:?}");
+    assert!(wet.0 < 1.19 && wet.1 < dry.1 - 0.03 && wet.2 <= 0.3, "{wet:?}");
+    assert!((dry.0 / 1.2 - 1.0).abs() < 0.05, "{dry:?}");
 }
 
 #[test]
@@ -83,6 +228,11 @@ fn climbs_and_descends_stairs_a_tread_a_step_with_whole_soles() {
         let kind = GroundKind::Stairs { rise, tread: 0.29, count: 30 };
         assert_eq!(twenty(name, &kind, 0.0).0, 20, "{name}");
         let ground = terrain(kind.clone());
+        let walk = Walk { start: 0.3, duration: None, speed: 0.4, heading: 0.0, facing: None };
+        let script = Script { terrain: ground.clone(), walk: vec![walk], ..Script::standing(&[]) };
+        let speed = held_speed(&simulate(&Physique::REFERENCE, &script, &options(20.0, 0.5)), 0.0, 0.4);
+        eprintln!("{name}: at 0.4 m/s speed {speed:.3} of the commanded");
+        assert!((speed - 1.0).abs() < 0.05, "{name}: {speed}");
         let (trace, _) = walked(&kind, 0.0, 3);
         let physique = Physique::REFERENCE;
         let mut hasty = 0;
@@ -157,7 +307,7 @@ fn stays_upright_on_a_gyrating_platform_under_pushes() {
             }
         }
         eprintln!("platform to 45 degrees, agility {agility}: {upright} of 10 upright for 60 s");
-        assert!(agility < 1.0 || upright == 10);
+        assert_eq!(upright, 10, "agility {agility}");
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::foothold::{ankles, middle};
 use super::{Inputs, Params, Physique, State, Step, StepKind, Swing, TickOutput};
-use super::{balance::pressure, decide, footing, ground, legs, roll, stand, swing, turn, walk};
+use super::{balance::pressure, decide, footing, grip, ground, legs, pace, rise, roll, stand, swing, turn, walk};
 use crate::maths::pendulum::GRAVITY;
 use crate::maths::real;
 use crate::model::{Side, Terrain};
@@ -22,7 +22,9 @@ pub fn tick(
         return output;
     }
     perceive(params, physique, state, inputs, dt);
+    state.gait.grip = grip::longest(params, physique, state);
     walk::steer(params, physique, terrain, state, inputs, dt);
+    rise::foresee(params, physique, terrain, state);
     if state.swing.is_none() {
         let (mut busy, mut lifted) = (false, None);
         if state.gait.phase == walk::Phase::Rest {
@@ -46,6 +48,7 @@ pub fn tick(
         let wanted = one.unwrap_or_else(|| pressure(params, physique, state));
         state.cop += (wanted - state.cop) * (1.0 - real::exp(-dt / params.lag));
     }
+    rise::follow(params, physique, terrain, state, dt);
     legs::integrate(params, physique, state, inputs, dt);
     state.tick += 1;
     state.time = state.tick as f64 * dt;
@@ -98,6 +101,7 @@ fn advance(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut 
         state.recovering = 0.0;
     }
     if swing.kind == StepKind::Walk {
+        pace::landed(params, terrain, state);
         walk::landed(params, physique, state, swing.side);
     }
     let Swing { side, kind, lift, .. } = swing;
@@ -119,7 +123,7 @@ fn judge(params: &Params, state: &mut State, dt: f64) {
         .map(|side| legs::hip(params, com, state.ahead, side).distance(ground(state.feet[side as usize].ankle)))
         .fold(f64::INFINITY, f64::min);
     let finite = com.is_finite() && state.com.y.is_finite();
-    if state.com.y < params.low || near > params.lean || !finite {
+    if state.height() < params.low || near > params.lean || !finite {
         state.lost = Some(state.time);
     }
 }

@@ -3,7 +3,7 @@
 
 use super::control::wrap;
 use super::gait::{self, Rhythm};
-use super::{Params, Physique, Plant, State, Swing, footing, ground, support, swing, turn, walk};
+use super::{Params, Physique, Plant, State, Swing, footing, ground, pace, support, swing, turn, walk};
 use crate::maths::pendulum;
 use crate::model::Side;
 use glam::{DVec2, DVec3};
@@ -93,10 +93,15 @@ pub fn touchdown(
     (com, velocity)
 }
 
-/// m, how far ahead of the centre of mass the pressure balances a force that lasts.
+/// What the paper's k_p is as people set it (`[stepper] pull_bias`): then the lean balances the force.
+const BALANCES: f64 = 0.4;
+
+/// m, the paper's β k_p of a step of the gait, β = F_p / F_g: how far ahead of the centre of mass the pressure balances a force
+/// that lasts.
 pub fn lean(params: &Params, physique: &Physique, state: &State) -> DVec2 {
     let omega = walk::omega(params, physique);
-    state.gait.lasting / (physique.mass * omega * omega)
+    let bias = params.pull / (BALANCES * physique.com_height);
+    state.gait.lasting * bias / (physique.mass * omega * omega)
 }
 
 /// The effective pivot of the step that `side` begins when it lands `time` s from now, and the lead that keeps the
@@ -113,14 +118,20 @@ pub fn pivot(
     let amid = turn::turned_in(state, time + 0.5 * rhythm.step);
     let yaws = [rear.yaw, state.facing + amid + side.sign() * physique.toe_out];
     let ahead = turn::rotated(state.ahead, amid);
-    let velocity = turn::rotated(state.gait.velocity, amid);
+    let velocity = turn::rotated(pace::aimed(state), amid);
     let mut pivot = gait::pivot(rhythm, walk::omega(params, physique), side, yaws, ahead, velocity);
     let bias = if state.gait.longest.is_infinite() { params.walk_bias } else { params.leg_bias };
-    let slack = bias * (physique.com_height - state.com.y);
+    let slack = bias * (physique.com_height + state.carried.height - state.com.y);
     let slack = velocity.normalize_or_zero() * slack;
     pivot.lead += slack;
     pivot.then += slack;
     pivot
+}
+
+/// m, equation 2's h: the centre of mass over the stance foot at touchdown, as high over the lower of the two footholds as it is
+/// over the one that carries it now.
+fn height(state: &State) -> f64 {
+    state.com.y - state.carried.height + state.gait.rise.min(0.0)
 }
 
 fn landing(
@@ -146,7 +157,7 @@ fn landing(
     let ahead = turn::rotated(state.ahead, amid);
     let out = DVec2::new(ahead.y, -ahead.x) * side.sign();
     let wanted = if gait.last {
-        let distance = pendulum::step_distance(velocity.length(), 0.0, state.com.y, 0.0);
+        let distance = pendulum::step_distance(velocity.length(), 0.0, height(state), gait.rise); // equation 2
         let stop = com + velocity.normalize_or_zero() * distance;
         // while the weight comes over from the rear foot, the fall goes on
         let late = rear + support::forward(stance.yaw) * rhythm.roll[1];
@@ -159,7 +170,12 @@ fn landing(
     } else {
         let step = pivot(params, physique, state, rhythm, side, wait + time);
         let way = turn::rotated(gait.velocity, amid).normalize_or(ahead);
-        step.landing(rear, (com, velocity), (walk::omega(params, physique), state.com.y.max(0.1), 0.0), way)
+        // treads decide where on stairs: there the wanted landing is that of the line along the footholds
+        let level = gait.longest.is_finite();
+        let (height, rise) =
+            if level { (state.height().max(0.1), 0.0) } else { (height(state).max(0.1 + gait.rise), gait.rise) };
+        let pendulum = (walk::omega(params, physique), height, rise);
+        step.landing(rear, (com, velocity), pendulum, way)
     };
     if gait.spot {
         let (ideal, yaw) = turn::around(params, physique, state, side);

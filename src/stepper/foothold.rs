@@ -4,7 +4,7 @@
 //! Ground plane (x, z), metres, seconds.
 
 use super::balance::{braking, steady_lean};
-use super::{Params, Passing, Physique, Plant, State, Support, footing, ground, support::Tread, swing};
+use super::{Params, Passing, Physique, Plant, State, Support, footing, ground, rise, support::Tread, swing};
 use crate::maths::pendulum;
 use crate::maths::real;
 use crate::model::Side;
@@ -48,8 +48,11 @@ pub fn corrective(
     let (com, velocity) = pendulum::predict(com, velocity, pivot, state.omega(), time.max(0.0));
     let speed = velocity.length();
     let direction = if speed > 1e-9 { velocity / speed } else { DVec2::ZERO };
-    let bias = params.leg_bias * (state.com.y - physique.com_height);
-    let distance = pendulum::step_distance(speed, 0.0, (physique.com_height + bias).max(0.1), 0.0);
+    let bias = params.leg_bias * (state.com.y - state.carried.height - physique.com_height);
+    // equation 2: the body is as high over the lower of the two footholds as it stands
+    let rise = rise::ahead(stance, com + velocity / state.omega());
+    let height = (physique.com_height + bias).max(0.1 + rise.max(0.0)) + rise.min(0.0);
+    let distance = pendulum::step_distance(speed, 0.0, height, rise);
     let weight = physique.mass * pendulum::GRAVITY;
     let capture = com + direction * distance + state.felt * (params.pull / weight);
 

@@ -1,7 +1,7 @@
 //! The spring legs and the flight of the centre of mass: height by springs whose rest lengths the feet set, level motion
 //! by the lean over the centre of pressure, the push on top.
 
-use super::{Inputs, Params, Phase, Physique, State, StepKind, ground, swing};
+use super::{Inputs, Params, Phase, Physique, State, StepKind, grip, ground, rise, swing};
 use crate::maths::pendulum::{self, GRAVITY};
 use crate::maths::real;
 use crate::model::Side;
@@ -11,14 +11,17 @@ use glam::{DVec2, DVec3};
 pub fn integrate(params: &Params, physique: &Physique, state: &mut State, inputs: &Inputs, dt: f64) {
     let walking = matches!(state.gait.phase, Phase::Single | Phase::Double);
     let legs = if walking { physique.com_height } else { rest_height(params, physique, state) };
-    let rest = legs.min(physique.com_height - state.arc);
+    let rest = legs.min(physique.com_height - state.arc) + state.carried.height;
     let push = inputs.force / physique.mass;
-    let spring = (params.spring * (rest - state.com.y) - params.damper * state.velocity.y) / physique.mass;
+    // equation 3, x the legs' error of length and v its rate: a rest length that changes takes the damper along
+    let (x, v) = (state.com.y - rest, state.velocity.y - state.carried.rate);
+    let spring = (-params.spring * x - params.damper * v) / physique.mass;
     let wanted = match &state.swing {
         // the stance leg gives way, so that the fall is caught by the landing foot and not pushed on by the other
         Some(swing) if swing.kind == StepKind::Corrective => {
             let left_over = (swing.land - state.time).max(dt);
-            let drop = landing_height(params, physique, state) - state.com.y - state.velocity.y * left_over;
+            let lands = landing_height(params, physique, state) + rise::at_landing(state);
+            let drop = lands - state.com.y - state.velocity.y * left_over;
             (2.0 * params.give * drop / (left_over * left_over)).min(0.0)
         }
         _ => spring,
@@ -33,10 +36,19 @@ pub fn integrate(params: &Params, physique: &Physique, state: &mut State, inputs
     // in the gait at the tick's middle, so that ξ grows as the closed form says
     let half = if state.gait.phase == Phase::Rest { 0.0 } else { 0.5 * dt };
     let middle = ground(state.com) + ground(state.velocity) * half;
-    let flat = (middle - state.cop) * ((GRAVITY + lift) / state.com.y) + tip;
+    // the ground's force runs from the pressure to the centre of mass
+    let over = if params.leg_change { state.com.y - rise::under_pressure(state, state.cop) } else { state.height() };
+    let height = over.max(0.5 * params.low);
+    let flat = grip::held(state, (middle - state.cop) * ((GRAVITY + lift) / height), GRAVITY + lift) + tip;
     let acceleration = DVec3::new(flat.x + push.x, lift + push.y, flat.y + push.z);
     state.com += state.velocity * dt + acceleration * (0.5 * dt * dt);
     state.velocity += acceleration * dt;
+    if !params.leg_change {
+        // along the line of the footholds: on such a path a pendulum's level motion is the flat one's (Kajita 2001)
+        let below = rise::under(state, ground(state.com));
+        (state.velocity.y, state.com.y) = ((below - state.carried.height) / dt, physique.com_height + below);
+        state.carried.height = below;
+    }
     state.acceleration = acceleration;
     let off = Side::BOTH
         .into_iter()

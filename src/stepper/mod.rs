@@ -1,8 +1,8 @@
 //! The paper's low-dimensional controller: a point mass on springy legs with feet that hold an area, stepping to stay up.
 //!
 //! [`tick`] runs a tick: `control` (the order of things), `decide` (whether, which foot, when, where), `foothold` (the
-//! paper's step length), `balance` (ankle feedback), `legs` (springs and flight), `swing` (the foot's way), `support` (the
-//! soles). All tuning is in [`Params`], all memory in [`State`].
+//! paper's step length), `balance` (ankle feedback), `legs` (springs and flight), `rise` (the ground that they feel), `swing` (the
+//! foot's way), `support` (the soles). All tuning is in [`Params`], all memory in [`State`].
 //!
 //! Pure functions and plain state; no I/O, no allocation in a tick. Scenario space, SI units. Sources: Kenwright, "Watch
 //! Your Step" (2013); the capture point of Koolen (2012) and the extrapolated centre of mass of Hof (2005).
@@ -14,9 +14,12 @@ mod footfall;
 mod foothold;
 pub mod footing;
 mod gait;
+mod grip;
 mod legs;
 mod mesh;
+mod pace;
 pub mod params;
+mod rise;
 mod roll;
 mod stand;
 pub mod state;

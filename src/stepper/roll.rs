@@ -4,7 +4,7 @@
 use super::gait::{self, Rhythm};
 use super::support::{Support, Tread};
 use super::walk::{Phase, omega, rhythm_now};
-use super::{Params, Physique, State, StepKind, footfall, ground, support, turn};
+use super::{Params, Physique, State, StepKind, footfall, ground, pace, support, turn};
 use crate::maths::real;
 use crate::model::Side;
 use glam::DVec2;
@@ -76,7 +76,7 @@ fn steady_xi(params: &Params, physique: &Physique, state: &State, rhythm: &Rhyth
     let ankle = if state.gait.spot {
         turn::around(params, physique, state, side).0
     } else {
-        rear + turn::rotated(state.gait.velocity, turned) * rhythm.step + across
+        rear + turn::rotated(pace::aimed(state), turned) * rhythm.step + across
     };
     footfall::pivot(params, physique, state, rhythm, side, time).xi_for(rear, ankle)
 }

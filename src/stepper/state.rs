@@ -1,5 +1,6 @@
 //! The controller's state, what it is told each tick and what it says. Plain values, scenario space, SI units.
 
+use super::rise::{self, Carried};
 use super::stand::OneFoot;
 use super::support::{Support, Tread};
 use super::walk::Gait;
@@ -129,6 +130,10 @@ pub struct State {
     pub lift: f64,
     /// m, how far the pendulum's arc has lowered the centre of mass.
     pub arc: f64,
+    /// Coulomb coefficient of the ground.
+    pub friction: f64,
+    /// The height of the ground that the legs' rest lengths are reckoned from.
+    pub carried: Carried,
     /// s, since ξ left the inner region; 0 while it has not.
     pub alarm: f64,
     /// s, since both feet are down.
@@ -168,10 +173,11 @@ impl State {
         let hold = |margin: f64| Support::two(params, physique, [&feet[0], &feet[1]], [Tread::Whole; 2], margin);
         let over = params.stance.over;
         let over = place + support::left(facing) * over.x + support::forward(facing) * over.y;
+        let low = 0.5 * (feet[0].ankle.y + feet[1].ankle.y) - 0.35 * (feet[0].ankle.y - feet[1].ankle.y).abs();
         State {
             tick: 0,
             time: 0.0,
-            com: DVec3::new(over.x, physique.com_height, over.y),
+            com: DVec3::new(over.x, physique.com_height + low, over.y),
             velocity: DVec3::ZERO,
             acceleration: DVec3::ZERO,
             cop: over,
@@ -191,6 +197,8 @@ impl State {
             tip: DVec2::ZERO,
             lift: 0.0,
             arc: 0.0,
+            friction: terrain.friction,
+            carried: Carried::still(low),
             alarm: 0.0,
             settled: 1e3 * params.tempo,
             recovering: 1e3 * params.tempo,
@@ -210,7 +218,12 @@ impl State {
 
     /// 1/s, the pendulum's rate at the present height.
     pub fn omega(&self) -> f64 {
-        pendulum::rate(self.com.y.max(1e-3))
+        pendulum::rate(self.height().max(1e-3))
+    }
+
+    /// m, the centre of mass over the ground under it.
+    pub fn height(&self) -> f64 {
+        self.com.y - rise::under(self, ground(self.com))
     }
 
     /// m, extrapolated centre of mass.

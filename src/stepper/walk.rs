@@ -5,8 +5,11 @@
 //! corrective step; then the gait goes on. Scenario space, SI units.
 
 use super::gait::{self, Rhythm};
+use super::pace::Pace;
 use super::support::{Support, Tread};
-use super::{Inputs, Params, Physique, State, StepKind, Swing, footfall, footing, ground, roll, swing, turn};
+use super::{
+    Inputs, Params, Physique, State, StepKind, Swing, footfall, footing, grip, ground, rise, roll, swing, turn,
+};
 use super::{Passing, balance};
 use crate::maths::pendulum;
 use crate::maths::real;
@@ -59,6 +62,14 @@ pub struct Gait {
     pub last: bool,
     /// m, the longest step that the ground allows.
     pub longest: f64,
+    /// m, the longest step that friction allows.
+    pub grip: f64,
+    /// m, how much higher the next foothold is than the stance foot.
+    pub rise: f64,
+    /// The same a metre of the way, as the last step found it.
+    pub grade: f64,
+    /// The speed that is held.
+    pub pace: Pace,
 }
 
 impl Gait {
@@ -81,6 +92,10 @@ impl Gait {
             spot: false,
             last: false,
             longest: f64::INFINITY,
+            grip: f64::INFINITY,
+            rise: 0.0,
+            grade: 0.0,
+            pace: Pace::default(),
         }
     }
 }
@@ -89,6 +104,7 @@ impl Gait {
 pub fn steer(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut State, inputs: &Inputs, dt: f64) {
     // while the pelvis turns, the way to go turns with it
     let wanted = turn::rotated(inputs.walk.unwrap_or(DVec2::ZERO), -state.gait.goal);
+    let ramp = grip::ramp(params, state);
     let gait = &mut state.gait;
     gait.spot &= inputs.walk.is_none_or(|walk| walk == DVec2::ZERO);
     if gait.phase == Phase::Rest && wanted == DVec2::ZERO && gait.velocity == DVec2::ZERO {
@@ -96,9 +112,10 @@ pub fn steer(params: &Params, physique: &Physique, terrain: &Terrain, state: &mu
     }
     gait.tick = dt;
     gait.longest = footing::longest(terrain, params, ground(state.com), wanted.normalize_or(state.ahead));
-    let wanted = wanted.clamp_length_max(gait.longest / (footing::STAIR_STEP * params.tempo));
+    let longest = gait.longest.min(gait.grip);
+    let wanted = wanted.clamp_length_max(longest / (footing::STAIR_STEP * params.tempo));
     let wanted = wanted.clamp_length_max(footing::fastest(terrain, params, physique, ground(state.com), wanted));
-    let most = params.ramp * dt;
+    let most = ramp * dt;
     let first = 0.5 * params.size / params.tempo;
     let wanted = if gait.phase == Phase::Start { wanted.clamp_length_max(first) } else { wanted };
     gait.velocity += (wanted - gait.velocity).clamp_length_max(most);
@@ -224,9 +241,10 @@ fn enter(state: &mut State, phase: Phase, side: Side, time: f64) {
 /// The rhythm of the commanded velocity, in whole ticks.
 pub fn rhythm_now(params: &Params, physique: &Physique, state: &State) -> Rhythm {
     let tick = state.gait.tick;
-    let bounds = (state.gait.turn, state.gait.longest);
+    let bounds = (state.gait.turn, state.gait.longest.min(state.gait.grip));
     let rhythm = gait::rhythm(params, physique, state.ahead, state.gait.velocity, bounds);
-    let whole = |time: f64| (time / tick).round() * tick;
+    let slower = rise::share_of_step(physique, state, rhythm.step);
+    let whole = |time: f64| (time * slower / tick).round() * tick;
     let single = whole(rhythm.step - rhythm.double).max(2.0 * tick);
     let step = whole(rhythm.step).max(single);
     Rhythm { step, double: if params.rolls { step - single } else { 0.0 }, ..rhythm }
