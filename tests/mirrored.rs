@@ -7,7 +7,7 @@ use crate::data;
 use crate::limits::{apart, twins};
 use rayon::prelude::*;
 use surefoot::bake::{BakeOptions, Baked, Drive, Helped, bake};
-use surefoot::model::scenario::{Carry, Direction, Ground, GroundKind, Push, Scenario, Throw, Walk};
+use surefoot::model::scenario::{Carry, Direction, Feet, Ground, GroundKind, Push, Scenario, Stand, Throw, Turn, Walk};
 use surefoot::model::{Body, BodyPose, Role, Side};
 use surefoot::ragdoll::control::Assist;
 use surefoot::rig::{Rig, load};
@@ -113,6 +113,21 @@ fn whatever_else_goes_to_a_side_goes_to_the_other_in_the_mirror() {
         Scenario { walk: vec![walk], push: vec![push], ..Scenario::default() }
     };
     let turning = |heading: f64| Scenario { walk: vec![Walk { heading, ..walk }], ..Scenario::default() };
+    let aslant = |heading: f64| Scenario {
+        walk: vec![Walk { heading, speed: 0.5, facing: Some(0.0), ..walk }],
+        ..Scenario::default()
+    };
+    let turned = |facing: f64| Scenario {
+        turn: vec![Turn { start: 0.4, duration: None, facing }],
+        duration: 4.0,
+        ..Scenario::default()
+    };
+    let on_one = |on: Feet| Scenario {
+        stand: vec![Stand { start: 0.4, duration: None, on }],
+        push: vec![shove(body, 0.0, 15.0)],
+        duration: 4.0,
+        ..Scenario::default()
+    };
     let arm = |at: Role| Scenario { push: vec![Push { at, ..shove(body, 0.0, 60.0) }], ..Scenario::default() };
     let vector = |x: f64| {
         let toward = Direction::Vector(glam::DVec3::new(x, 0.0, -1.0));
@@ -130,6 +145,9 @@ fn whatever_else_goes_to_a_side_goes_to_the_other_in_the_mirror() {
         ("a platform", platform(1.0), platform(-1.0)),
         ("a walk that is shoved", walking(90.0), walking(270.0)),
         ("a walk to the side", turning(0.6), turning(-0.6)),
+        ("a walk aslant", aslant(0.8), aslant(-0.8)),
+        ("a turn", turned(1.5), turned(-1.5)),
+        ("one foot", on_one(Feet::Left), on_one(Feet::Right)),
         ("a shoulder", arm(Role::LeftUpperArm), arm(Role::RightUpperArm)),
         ("a vector", vector(0.7), vector(-0.7)),
         ("a fall", shoved(body, 80.0, 400.0), shoved(body, 280.0, 400.0)),

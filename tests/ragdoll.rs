@@ -180,8 +180,9 @@ fn what_it_cannot_play_is_named_and_never_left_out() {
     let drive = Drive::Ragdoll(Helped::Within(Assist::default()));
     let scenario = "title = 'x'\nduration = 3.0\n";
     for (lane, named) in [
-        ("[[stand]]\nstart = 0.5\non = 'left'", "[[stand]]"),
-        ("[[turn]]\nstart = 0.5\nfacing = 90", "[[turn]]"),
+        ("[ground]\nkind = 'slope'\nangle = 5\n[[stand]]\nstart = 0.5\non = 'left'", "[[stand]] on ground"),
+        ("[ground]\nkind = 'slope'\nangle = 5\n[[turn]]\nstart = 0.5\nfacing = 90", "[[turn]] on ground"),
+        ("[[crouch]]\nstart = 0.5\namount = 0.1\n[[turn]]\nstart = 0.5\nfacing = 90", "[[crouch]] beside"),
         ("[[crouch]]\nstart = 0.5\namount = 0.5", "[[crouch]]"),
         ("[character]\ncrouch = 0.5", "[character] crouch"),
     ] {

@@ -5,13 +5,11 @@
 use super::carried::{self, Carried};
 use super::throws::{Ball, Hit, Toss};
 use super::{BakeError, Performance};
-use crate::maths::quat::wrap_angle;
 use crate::measure::{KnownPush, PushPoint};
-use crate::model::scenario::{GroundKind, Scenario, Stepper, Walk};
+use crate::model::scenario::{GroundKind, Scenario, Stepper};
 use crate::model::{Body, Load, Physique, Terrain};
 use crate::ragdoll::control::Assist;
-use crate::ragdoll::walk::{Order, WalkTuning};
-use crate::sim::{Ahead, Articulated, ArticulatedOptions, Incoming, Script, Things, simulate_with};
+use crate::sim::{Ahead, Articulated, ArticulatedOptions, FASTEST, Incoming, Script, Things, simulate_with};
 use crate::stepper::Phase;
 use crate::whole_body::{Anatomy, Solver, stand};
 use glam::DVec3;
@@ -61,8 +59,8 @@ pub(super) fn rungs(mass: f64) -> impl Iterator<Item = Assist> {
 /// kg, of whom [`TRIES`] are.
 const HEAVY: f64 = 89.5;
 
-/// m/s, faster its pelvis turns too far with the legs.
-const FASTEST: f64 = 1.3;
+/// Share of the leg: deeper, balance wants steps of which the law has no plan.
+const LOWEST: f64 = 0.2;
 
 /// What of a scenario the articulated body cannot play yet, for a person; empty where it plays it all.
 pub fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
@@ -73,15 +71,17 @@ pub fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
         }
     };
     let flat = matches!(scenario.ground.kind, GroundKind::Flat);
-    let straight = |walk: &Walk| walk.facing.is_none_or(|facing| wrap_angle(facing - walk.heading).abs() < 0.01);
-    let walks = !scenario.walk.is_empty();
+    let lanes = [!scenario.walk.is_empty(), !scenario.turn.is_empty(), !scenario.crouch.is_empty()];
+    let [walks, turns, crouches] = lanes;
+    let stands = !scenario.stand.is_empty();
     part(walks && !flat, "[[walk]] on ground that is not flat");
-    part(!scenario.walk.iter().all(straight), "[[walk]] sideways or backwards");
+    part(turns && !flat, "[[turn]] on ground that is not flat");
+    part(crouches && !flat, "[[crouch]] on ground that is not flat");
+    part(stands && !flat, "[[stand]] on ground that is not flat");
     part(scenario.walk.iter().any(|walk| walk.speed > FASTEST), "[[walk]] at more than 1.3 m/s");
-    part(!scenario.turn.is_empty(), "[[turn]]");
-    part(!scenario.crouch.is_empty(), "[[crouch]]");
+    part(scenario.crouch.iter().any(|crouch| crouch.amount > LOWEST), "[[crouch]] by more than 0.2");
+    part(crouches && (walks || turns || stands), "[[crouch]] beside [[walk]], [[turn]] or [[stand]]");
     part(scenario.character.crouch > 0.0, "[character] crouch");
-    part(!scenario.stand.is_empty(), "[[stand]]");
     part(scenario.base.is_some(), "[base]");
     part(scenario.stepper != Stepper::default(), "[stepper]");
     parts
@@ -119,12 +119,10 @@ pub(super) fn run(
         .collect();
     let hold = |time: f64| carried::hold(carried, loads, time);
     let script = Script::of(scenario, Vec::new());
-    let walk = |time: f64| {
-        let intent = script.intent(time);
-        let velocity = intent.walk.unwrap_or_default();
-        (!scenario.walk.is_empty()).then_some(Order { velocity, facing: intent.facing })
-    };
-    let things = Things { incoming: &incoming, loads, hold: &hold, walk: &walk };
+    let lanes = [scenario.walk.len(), scenario.turn.len(), scenario.crouch.len(), scenario.stand.len()];
+    let led = lanes != [0; 4];
+    let intent = |time: f64| led.then(|| script.intent(time));
+    let things = Things { incoming: &incoming, loads, hold: &hold, intent: &intent };
     let once = |bound: Assist, effort: u8| -> Result<Driven, BakeError> {
         let options = ArticulatedOptions { ahead: Ahead { effort, ..options.ahead }, ..*options };
         let run = simulate_with(body, anatomy, physique, &terrain, &options, pushes, bound, &things)
@@ -207,7 +205,7 @@ const GATHERS: f64 = 4.0;
 /// What is not as asked of an articulated body's walk, for a person.
 pub(super) fn strayed(scenario: &Scenario, performance: &Performance) -> Option<String> {
     let leg = performance.timeline.body.leg_length;
-    let most = WalkTuning::default().fastest * (leg / 0.83).sqrt();
+    let most = FASTEST * (leg / 0.83).sqrt();
     let asked = scenario.walk.iter().map(|walk| walk.speed).fold(0.0, f64::max);
     match stroll(scenario, performance) {
         Stroll::Never => Some("the ragdoll never sets off on this rig: `--drive stepper` walks".into()),

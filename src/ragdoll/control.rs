@@ -7,12 +7,12 @@
 use super::dynamics::{Acceleration, LegMap, Motion};
 use super::figure::Figure;
 use super::forces::{Corner, Forces, Wanted};
+use super::guide::{self, Guide};
 use super::joints::pelvis;
 use super::reach::Sole;
 use super::swing::Reference;
 use super::toes;
 use super::tuning::Tuning;
-use super::walk::{Gait, Order};
 use super::world::{LinkState, World};
 use super::{flat, short};
 use crate::maths::hull::{closest_point, signed_distance};
@@ -125,10 +125,13 @@ pub struct Controller {
     pub(super) leaving: Option<(Side, usize)>,
     pub(super) soles: [Sole; 2],
     pub(super) slants: [DVec2; 2], // m, from the ground point of a foot to under its ankle: none on level ground
-    /// Where it is to walk.
-    pub order: Option<Order>,
-    /// How it does.
-    pub gait: Gait,
+    /// What leads it now, if anything does.
+    pub guide: Option<Guide>,
+    /// m, how much lower than in the stand it is to hold its pelvis.
+    pub lower: f64,
+    /// m/s, what of its speed corrective steps are to keep, (x, z).
+    pub going: DVec2,
+    pub(super) guided: bool, // the swing under way is the guide's
 }
 
 impl Controller {
@@ -159,8 +162,10 @@ impl Controller {
             leaving: None,
             soles: [Sole::default(); 2],
             slants: [DVec2::ZERO; 2],
-            order: None,
-            gait: Gait::default(),
+            guide: None,
+            lower: 0.0,
+            going: DVec2::ZERO,
+            guided: false,
             aimed: states[0].origin.y,
             heading: yaw_of(states[0].turn),
             facing: yaw_of(states[0].turn),
@@ -211,13 +216,30 @@ impl Controller {
         DVec2::new(real::sin(yaw), real::cos(yaw)) * self.middle
     }
 
-    /// One tick: reads the world, decides, drives. The world is to be stepped after it.
-    pub fn tick(&mut self, figure: &Figure, world: &mut World, terrain: &Terrain) -> Report {
-        let dt = world.dt;
+    /// Reads where the links are and how they move.
+    pub fn sense(&mut self, figure: &Figure, world: &World) {
         let mut states = std::mem::take(&mut self.states);
         world.read(&mut states);
         self.motion.read(figure, &states);
         self.states = states;
+    }
+
+    /// m and m/s, the centre of mass as last read, with a velocity that makes ξ of both, at `rate` 1/s, what a guide's law takes for it.
+    pub fn motion_of(&self, rate: f64) -> (DVec3, DVec3) {
+        let (com, velocity) = (self.motion.com, self.motion.velocity);
+        let lean = (self.motion.extrapolated(rate, guide::MOMENTUM) - self.motion.extrapolated(rate, 0.0)) * rate;
+        (com, velocity + DVec3::new(lean.x, 0.0, lean.y))
+    }
+
+    /// m, the centre of mass over the level ground.
+    pub fn height(&self) -> f64 {
+        self.motion.com.y
+    }
+
+    /// One tick: reads the world, decides, drives. The world is to be stepped after it.
+    pub fn tick(&mut self, figure: &Figure, world: &mut World, terrain: &Terrain) -> Report {
+        let dt = world.dt;
+        self.sense(figure, world);
         let pressed = world.feet_pressed(figure);
         let loads = Side::BOTH.map(|side| world.pressed(figure.legs[side as usize][2]));
         self.observe(dt);
@@ -227,7 +249,8 @@ impl Controller {
         let floor = self.floor(figure, terrain);
         let height = (self.motion.com.y - floor).max(0.3 * self.stand_height);
         let rate = (GRAVITY / height).sqrt();
-        let xi = self.motion.extrapolated(rate, self.tuning.momentum);
+        let momentum = if self.guide.is_some() { guide::MOMENTUM } else { self.tuning.momentum };
+        let xi = self.motion.extrapolated(rate, momentum);
         self.step(figure, terrain, pressed, loads, xi, rate, dt);
         self.act(figure, world, terrain, xi, height, floor, dt);
         self.time += dt;
@@ -273,7 +296,8 @@ impl Controller {
         }
         let moment =
             (tuning.moment[0] + if moving { tuning.moment[1] * fast } else { 0.0 }) * (mass / 89.5) * self.size;
-        let goal = self.gait.pressure().unwrap_or(middle + (xi - middle) * tuning.cop_gain);
+        let led = self.guide.map(|guide| guide.pressure);
+        let goal = led.unwrap_or(middle + (xi - middle) * tuning.cop_gain);
         let inside = closest_point(&hull, goal).unwrap_or(middle);
         let cop = inside + (goal - inside).clamp_length_max(moment / (mass * GRAVITY));
         self.report.cop = inside;
@@ -311,7 +335,7 @@ impl Controller {
         let linear = self.carried(figure, terrain, cop, height, floor, dt);
         // Pelvis and trunk upright, towards the heading.
         self.face();
-        let facing = DQuat::from_rotation_y(self.heading);
+        let facing = DQuat::from_rotation_y(self.heading) * self.bowed(figure);
         let turn = |link: usize, wanted: DQuat, gains: [f64; 2], most: f64| {
             let error = short(wanted * self.states[link].turn.inverse());
             (error * gains[0] - self.states[link].spin * gains[1]).clamp_length_max(most)
@@ -328,8 +352,12 @@ impl Controller {
         self.stand_still(figure, terrain, &legs, dt);
         let (base, bias) = self.root_map(figure, &legs, &feet, trunk);
         let corners = self.corners(figure, terrain);
-        let [level, up, tilt, yaw] = tuning.weights;
-        let yaw = if self.gait.walks() { self.gait.tuning.yaw } else { yaw };
+        let [level, up, mut tilt, mut yaw] = tuning.weights;
+        let mut linear = linear;
+        if self.guide.is_some() {
+            [tilt, yaw] = guide::UPRIGHT;
+            linear = self.over_pressure(&base, &bias, floor, linear, angular);
+        }
         let wanted = Wanted { linear, angular, weights: [level, up, tilt, yaw] };
         let mut forces = std::mem::take(&mut self.forces);
         let wrench = forces.solve(

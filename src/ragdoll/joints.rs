@@ -7,8 +7,12 @@ use super::figure::{Figure, Freedom, Link, Part};
 use super::linear::{Factored, Matrix6};
 use super::world::World;
 use super::{short, toes};
+use crate::maths::pendulum::GRAVITY;
 use crate::model::{Side, Terrain};
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
+
+/// m/s², by which a force's line may be moved for the pressure's sake: half of gravity.
+const MOST_CHANGE: f64 = 5.0;
 
 impl Controller {
     /// What each joint would do by itself: joints that are free to be posed go back to the stand.
@@ -19,7 +23,7 @@ impl Controller {
         for index in 1..count {
             let link = &figure.links[index];
             let parent = link.parent.unwrap_or(0);
-            let [angle, rate, quickens] = self.against_legs(figure, index);
+            let [angle, rate, quickens] = self.against_stride(figure, index);
             let axis = if index == figure.trunk { DVec3::Y } else { DVec3::X };
             let swung = DQuat::from_axis_angle(axis, angle) * self.posture[index];
             let wanted = self.states[parent].turn * if angle == 0.0 { self.posture[index] } else { swung };
@@ -79,6 +83,41 @@ impl Controller {
             }
         }
         (Factored::new(matrix, 1e-3), bias)
+    }
+
+    /// m/s², how the centre of mass has to move for the ground's pressure to be where it is commanded while the pelvis turns as `angular`
+    /// (rad/s²) says. A force that only passes through that point, as a pendulum has it, is not enough: legs that swing take moments
+    /// too, and the pressure would make up for them. So the wrench (F, M about the centre of mass c) is sought whose
+    /// moment about the point p is vertical, M = (p - c) × F + τ Y, with F's height as in `linear`: three unknowns, three equations of
+    /// the pelvis's turn. Where they are nearly dependent `linear` is kept.
+    pub(super) fn over_pressure(
+        &self,
+        base: &Factored,
+        bias: &Wrench,
+        floor: f64,
+        linear: DVec3,
+        angular: DVec3,
+    ) -> DVec3 {
+        let (mass, cop) = (self.motion.mass, self.report.cop);
+        let arm = DVec3::new(cop.x, floor, cop.y) - self.motion.com;
+        let turned = |force: DVec3, about: f64| {
+            let moment = arm.cross(force) + DVec3::Y * about;
+            let wrench = [force.x, force.y, force.z, moment.x, moment.y, moment.z];
+            let root = base.solve(&std::array::from_fn(|axis| wrench[axis] - bias[axis]));
+            DVec3::new(root[3], root[4], root[5])
+        };
+        let up = DVec3::Y * (mass * (linear.y + GRAVITY));
+        let none = turned(up, 0.0);
+        let columns = [(DVec3::X * mass, 0.0), (DVec3::Z * mass, 0.0), (DVec3::ZERO, mass)];
+        let map = columns.map(|(force, about)| turned(up + force, about) - none);
+        let map = DMat3::from_cols(map[0], map[1], map[2]);
+        let found = map.inverse() * (angular - none);
+        let level = DVec3::new(found.x, linear.y, found.y);
+        if map.determinant().abs() < 1e-6 || !level.is_finite() {
+            return linear;
+        }
+        let change = level - linear;
+        linear + change.clamp_length_max(MOST_CHANGE)
     }
 
     /// Torques to the world: a spring and a damper whose rests give what is needed if all goes as planned.

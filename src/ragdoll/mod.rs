@@ -6,8 +6,8 @@ pub mod dynamics;
 pub mod fall;
 pub mod figure;
 mod forces;
-pub mod gait;
 mod ground;
+pub mod guide;
 mod help;
 mod joints;
 mod linear;
@@ -22,11 +22,11 @@ pub mod things;
 mod toes;
 mod touches;
 pub mod tuning;
-pub mod walk;
 pub mod world;
 
 pub use control::Controller;
 pub use figure::{Figure, Locks};
+pub use guide::{Guide, Wish};
 pub use tuning::Tuning;
 pub use world::{LinkState, World};
 

@@ -3,6 +3,7 @@
 use super::control::{Controller, Swing, slant};
 use super::figure::Figure;
 use super::flat;
+use super::guide::RISE;
 use super::plan::{self, Situation};
 use super::swing::{self, Reference};
 use crate::maths::hull::{closest_point, convex_hull, shrink, signed_distance};
@@ -76,7 +77,7 @@ impl Controller {
         rate: f64,
         dt: f64,
     ) {
-        if self.stride(figure, terrain, pressed, loads, xi, rate, dt) {
+        if self.led(figure, terrain, pressed, dt) {
             return;
         }
         if let Some(mut swing) = self.swing {
@@ -156,11 +157,14 @@ impl Controller {
     pub(super) fn carry_on(&mut self, figure: &Figure, mut swing: Swing, terrain: &Terrain, down: bool, dt: f64) {
         let passed = self.time - swing.start;
         let left = (swing.time - passed).max(0.0);
-        swing.yaw += wrap_angle(self.heading - swing.yaw) * (dt / (left + dt)).min(1.0);
+        swing.yaw += wrap_angle(self.foot_heading(swing.side) - swing.yaw) * (dt / (left + dt)).min(1.0);
         let stands = swing.target - self.ahead(swing.yaw);
         let goal = stands + slant(figure, terrain, stands);
         // Off the ground before it travels.
-        let rise = if self.gait.walks() { self.gait.tuning.rise } else { self.tuning.rise };
+        let rise = match self.guide {
+            Some(_) => RISE,
+            None => self.tuning.rise,
+        };
         if !down || passed > rise * swing.time {
             swing.free = true;
         }

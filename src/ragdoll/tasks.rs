@@ -4,6 +4,7 @@ use super::control::Controller;
 use super::dynamics::{Acceleration, LegMap, Wrench};
 use super::figure::{Figure, Freedom, Part};
 use super::forces::Corner;
+use super::guide;
 use super::ranges::leaning;
 use super::sole::POINTS;
 use super::swing::{self, LANDS};
@@ -33,11 +34,9 @@ impl Controller {
         }
     }
 
-    /// Where it is to face: whoever steps lets himself be turned, a little; who walks faces where he goes.
+    /// Where it is to face: whoever steps lets himself be turned, a little; who is led faces where he is led.
     pub(super) fn face(&mut self) {
-        if self.gait.walks() {
-            self.facing = self.heading;
-        } else if self.swing.is_some() {
+        if self.guide.is_none() && self.swing.is_some() {
             self.heading += 0.03 * wrap_angle(yaw_of(self.states[0].turn) - self.heading);
             self.heading = self.facing + wrap_angle(self.heading - self.facing).clamp(-TURNED, TURNED);
         }
@@ -46,8 +45,11 @@ impl Controller {
     /// m, the pelvis's height: the stand's, or less where a leg would not reach.
     pub(super) fn wanted_height(&self, figure: &Figure, terrain: &Terrain, floor: f64) -> f64 {
         let pelvis = self.states[0];
-        let steps = if self.gait.walks() { self.gait.tuning.legs } else { self.tuning.reach[1] };
-        let mut height = self.pelvis_height + floor - self.tuning.crouch * self.size;
+        let steps = match self.guide {
+            Some(_) => guide::LEGS,
+            None => self.tuning.reach[1],
+        };
+        let mut height = self.pelvis_height + floor - self.tuning.crouch * self.size - self.lower;
         // On steep ground the knees are bent beforehand: a step down it must find ground.
         let crouch = STEEP * (1.0 - terrain.spot(flat(pelvis.origin)).normal.y);
         for side in Side::BOTH {
@@ -80,7 +82,7 @@ impl Controller {
             let above = (reach * reach - away * away).max(0.09 * length * length).sqrt();
             height = height.min(foot.y + above - over);
         }
-        height.max(floor + 0.72 * self.pelvis_height)
+        height.max(floor + 0.72 * self.pelvis_height - self.lower)
     }
 
     /// What a foot's link should do.
@@ -147,7 +149,7 @@ impl Controller {
     /// A swinging leg that is almost straight cannot be steered by where its foot is to go: its knee is bent to the length that
     /// it is to have instead. How much so, and the knee's acceleration, rad/s².
     pub(super) fn bend(&self, figure: &Figure, side: Side) -> Option<(f64, f64)> {
-        let swing = self.swing.filter(|swing| swing.side == side && !self.gait.walks())?;
+        let swing = self.swing.filter(|swing| swing.side == side && !self.guided)?;
         let [hip, knee, ankle] = figure.legs[side as usize];
         let (thigh, shank) = (figure.links[knee].anchor.length(), figure.links[ankle].anchor.length());
         let flexion = |length: f64| {
@@ -226,12 +228,13 @@ impl Controller {
     /// Corners of the feet that bear, named.
     pub(super) fn corners(&self, figure: &Figure, terrain: &Terrain) -> Vec<(usize, Corner)> {
         let mut corners = Vec::with_capacity(2 * POINTS);
-        let moving = self.swing.is_some() || self.gait.walks();
+        let moving = self.swing.is_some() || self.guide.is_some();
         for side in Side::BOTH {
             if self.swing.is_some_and(|swing| swing.side == side) {
                 continue;
             }
-            let leaves = self.leaving.is_some_and(|(leaving, _)| leaving == side) || self.gait.leaves(side, self.time);
+            let leaves = self.leaving.is_some_and(|(leaving, _)| leaving == side)
+                || self.guide.is_some_and(|guide| guide.leaves == Some(side));
             let dear = if leaves { 30.0 } else { 1.0 };
             let [a, b, .., y, z] = figure.soles[side as usize];
             let middle = 0.25 * (a + b + y + z);

@@ -14,8 +14,8 @@ use crate::measure::KnownPush;
 use crate::model::scenario::GroundKind;
 use crate::model::{Body, BodyPose, Load, Physique, Plant, Role, Side, Terrain};
 use crate::ragdoll::control::Assist;
-use crate::ragdoll::walk::Order;
 use crate::ragdoll::{Figure, Locks};
+use crate::stepper::{Inputs, Style};
 use crate::whole_body::reaction::Personality;
 use crate::whole_body::solve::{Hold, PoseTarget};
 use crate::whole_body::{Anatomy, Solver, stand};
@@ -45,6 +45,8 @@ pub struct ArticulatedOptions {
     pub arms: f64,
     /// What it draws from.
     pub seed: u64,
+    /// How the plan that leads it is tuned.
+    pub style: Style,
     /// How it is looked for.
     pub ahead: Ahead,
 }
@@ -58,6 +60,7 @@ impl Default for ArticulatedOptions {
             personality: Personality::default(),
             arms: 0.5,
             seed: 0,
+            style: Style::default(),
             ahead: Ahead::default(),
         }
     }
@@ -130,14 +133,14 @@ pub struct Things<'a> {
     pub loads: &'a [Load],
     /// How the hands hold what at a time (s).
     pub hold: &'a dyn Fn(f64) -> Option<Hold>,
-    /// Where to walk at a time (s).
-    pub walk: &'a dyn Fn(f64) -> Option<Order>,
+    /// What is meant at a time (s), where the stepper's plan is to lead the body.
+    pub intent: &'a dyn Fn(f64) -> Option<Inputs>,
 }
 
 impl Things<'_> {
     /// Nothing.
     pub fn none() -> Self {
-        Things { incoming: &[], loads: &[], hold: &|_| None, walk: &|_| None }
+        Things { incoming: &[], loads: &[], hold: &|_| None, intent: &|_| None }
     }
 }
 
@@ -178,7 +181,7 @@ fn play(course: &Course, mut run: Run, options: &ArticulatedOptions) -> Result<A
         if tick > planned && run.rest >= RESTS {
             break;
         }
-        let before = search.may_decide(course, &run, time).then(|| run.clone());
+        let before = search.may_decide(&run, time).then(|| run.clone());
         let mut ticked = run.tick(course, time);
         if let Some(before) = before.filter(|_| search.decides(&run, time))
             && let Some(tuning) = search.better(course, &before, time)

@@ -4,6 +4,7 @@ pub mod articulated;
 pub mod balls;
 mod looks;
 mod mirror;
+mod pilot;
 mod record;
 mod run;
 pub mod script;
@@ -13,6 +14,7 @@ pub mod trace;
 
 pub use articulated::{Articulated, ArticulatedOptions, Help, Things, simulate_articulated, simulate_with};
 pub use balls::{Flown, Incoming, Struck};
+pub use pilot::FASTEST;
 pub use record::PRESSED;
 pub use script::Script;
 pub use search::{Ahead, Searched};

@@ -11,7 +11,7 @@ use crate::maths::pendulum::GRAVITY;
 use crate::maths::quat::yaw_of;
 use crate::model::{BodyPose, Plant, Role, Side, Terrain};
 use crate::ragdoll::control::Report;
-use crate::ragdoll::{Controller, Figure, walk};
+use crate::ragdoll::{Controller, Figure};
 use crate::stepper::footing::to_ground;
 use crate::stepper::{Phase, Step, StepKind};
 use crate::whole_body::ArmAngles;
@@ -90,7 +90,8 @@ impl Record {
             if self.bearing[foot] && !report.bears[foot] {
                 let comfort = control.swing.is_some_and(|swing| swing.comfort);
                 let kind = match comfort {
-                    _ if control.gait.walks() => StepKind::Walk,
+                    _ if control.held_up() => StepKind::Held,
+                    _ if control.follows() => StepKind::Walk,
                     true => StepKind::Comfort,
                     false => StepKind::Corrective,
                 };
@@ -266,13 +267,8 @@ pub(super) fn state_of(
         feet,
         planted: report.bears,
         facing: yaw_of(states[figure.trunk].turn),
-        walk: control.gait.velocity(),
-        gait: match control.gait.phase() {
-            walk::Phase::Rest | walk::Phase::Caught => Phase::Rest,
-            walk::Phase::Start => Phase::Start,
-            walk::Phase::Double => Phase::Double,
-            walk::Phase::Single => Phase::Single,
-        },
+        walk: DVec2::ZERO,
+        gait: Phase::Rest,
         crouched: 0.0,
     }
 }

@@ -2,6 +2,7 @@
 
 use super::articulated::{BrokenBody, Things};
 use super::balls::Balls;
+use super::pilot::Pilot;
 use super::record::{hung, state_of};
 use super::{ArticulatedOptions, SessionPush, TickState};
 use crate::maths::curve::smooth3;
@@ -58,6 +59,8 @@ pub(super) struct Run {
     states: Vec<LinkState>,
     carried: Option<usize>,
     reaction: Reaction,
+    pilot: Pilot,
+    felt: DVec3, // N, what pushed it in the last tick
     velocity: Option<DVec3>,
     pushed: f64, // s, when something last pushed it
 }
@@ -121,6 +124,8 @@ impl Run {
             rest: 0.0,
             carried: None,
             reaction: Reaction::new(course.physique, options.personality, options.arms).unhurried(LOWERS),
+            pilot: Pilot::new(course, &options.style, options.dt),
+            felt: DVec3::ZERO,
             velocity: None,
             pushed: f64::NEG_INFINITY,
         })
@@ -133,7 +138,10 @@ impl Run {
         let ground = course.terrain.held_at(time);
         let laden = self.carry(figure, course.body, things.loads, time);
         let model = laden.as_ref().unwrap_or(figure);
-        self.control.order = (things.walk)(time);
+        if let Some(intent) = (things.intent)(time) {
+            self.control.sense(model, &self.world);
+            self.pilot.lead(course, &mut self.control, &intent, self.felt);
+        }
         let report = self.control.tick(model, &mut self.world, &ground);
         let pressed = figure.legs.map(|leg| self.world.pressed(leg[2]));
         let facing = yaw_of(self.control.states()[0].turn);
@@ -145,7 +153,11 @@ impl Run {
         let (hit, hit_moment) = self.balls.felt(report.com, dt);
         let before = self.velocity.replace(report.velocity).unwrap_or(report.velocity);
         let pushed = (force + hit, moment + hit_moment);
-        let state = state_of(course, &self.control, &report, pushed, (report.velocity - before) / dt, &ground);
+        self.felt = pushed.0;
+        let mut state = state_of(course, &self.control, &report, pushed, (report.velocity - before) / dt, &ground);
+        if let Some((gait, walk)) = self.pilot.gait() {
+            (state.gait, state.walk) = (gait, walk);
+        }
         if pushed.0 != DVec3::ZERO {
             self.pushed = time;
         }
@@ -169,6 +181,11 @@ impl Run {
             height: over / course.physique.com_height,
             ground,
         }
+    }
+
+    /// Is it led: does it walk, turn or stand on one foot?
+    pub(super) fn goes(&self) -> bool {
+        self.pilot.gait().is_some()
     }
 
     /// How sure it is of its balance, 0 to 1.
@@ -285,7 +302,7 @@ impl Run {
 
     /// The arms of a walker hang, a little bent, and leave the swing to the gait.
     fn at_walk(&self, arms: [ArmAngles; 2]) -> [ArmAngles; 2] {
-        let speed = if self.control.gait.walks() { self.control.gait.velocity().length() } else { 0.0 };
+        let speed = self.pilot.gait().map_or(0.0, |(_, velocity)| velocity.length());
         let share = (speed / 0.5).min(1.0);
         let hang = relaxed_arms();
         let mix = |a: f64, b: f64| a + (b - a) * share;

@@ -89,15 +89,15 @@ impl Search {
     }
 
     /// Whether the tick at `time` may be one to decide at: only then a copy from before it is worth its time.
-    pub(super) fn may_decide(&self, course: &Course, run: &Run, time: f64) -> bool {
+    pub(super) fn may_decide(&self, run: &Run, time: f64) -> bool {
         let begins = run.control.swing.is_none() || self.felt(run, time);
-        self.left > 0 && begins && (course.things.walk)(time).is_none()
+        self.left > 0 && begins
     }
 
     /// Whether it is, now that its law has decided.
     pub(super) fn decides(&self, run: &Run, time: f64) -> bool {
         let unfelt = |start: f64| (start..start + FELT - 1e-9).contains(&time);
-        let steps = run.control.swing.is_some_and(|swing| !swing.comfort);
+        let steps = run.control.swing.is_some_and(|swing| !swing.comfort) && !run.control.follows();
         self.felt(run, time) || steps && !run.acting.iter().any(|push| unfelt(push.start))
     }
 
@@ -166,8 +166,10 @@ impl Search {
         }
         let (seen, jumps) = (looks.cost(), looks.jumps() as f64);
         let taken = copy.control.report.steps.saturating_sub(run.control.report.steps) as f64;
-        let late = if copy.rest > RESTS { 0.0 } else { LATE };
-        let good = seen <= 0.0 && jumps <= 0.0 && taken <= MANY;
+        // Who goes on as he is led has caught himself: feet that walk slide and roll as they do.
+        let goes = copy.goes();
+        let late = if goes || copy.rest > RESTS { 0.0 } else { LATE };
+        let good = (goes || seen <= 0.0 && jumps <= 0.0) && taken <= MANY;
         Ending { good, cost: seen + JUMP * jumps + STEP * taken + late }
     }
 }

@@ -4,9 +4,11 @@
 
 use super::{Script, TickState, Trace};
 use crate::maths::spring::Spring;
-use crate::model::Terrain;
 use crate::model::scenario::Feet;
-use crate::stepper::{self, Inputs, Params, Physique, State, Step, Style, TickOutput, footing, ground};
+use crate::model::{Side, Terrain};
+use crate::stepper::follow::{self, Measured};
+use crate::stepper::support;
+use crate::stepper::{self, Inputs, Params, Phase, Physique, State, Step, Style, TickOutput, footing, ground, walk};
 use glam::{DQuat, DVec2, DVec3};
 
 /// s after the end, when a foot that is held up would come down.
@@ -62,6 +64,7 @@ pub struct Session {
     style: Style,
     whole: Physique,
     crouch: Spring,
+    embodied: bool,
 }
 
 impl Session {
@@ -79,14 +82,62 @@ impl Session {
             style: *style,
             whole: *physique,
             crouch: Spring::default(),
+            embodied: false,
         };
         session.last = session.record(&Inputs::default());
         session
     }
 
+    /// The same, to plan for a body of links ([`Self::follow`]).
+    pub fn embodied(physique: &Physique, terrain: &Terrain, style: &Style, dt: f64) -> Session {
+        let mut session = Session { embodied: true, ..Session::new(physique, terrain, style, dt) };
+        session.adapt();
+        session
+    }
+
+    /// One tick of the plan for a body that does what is measured; see [`follow::follow`].
+    pub fn follow(&mut self, intent: &Inputs, measured: &Measured) -> Option<Step> {
+        let (params, terrain) = (&self.params, &self.terrain);
+        follow::follow(params, &self.physique, terrain, &mut self.state, (intent, measured), self.dt)
+    }
+
+    /// One tick in which the body's own law is at work.
+    pub fn wait(&mut self, measured: &Measured) {
+        follow::wait(&self.params, &self.physique, &self.terrain, &mut self.state, measured, self.dt);
+    }
+
+    /// rad, where the pelvis points whatever was planned.
+    pub fn face(&mut self, facing: f64) {
+        self.state.facing = facing;
+        self.state.ahead = support::forward(facing);
+    }
+
+    /// m, how much lower it is than it stands.
+    pub fn lowered(&self) -> f64 {
+        self.crouch.x * self.whole.leg_length
+    }
+
+    /// s, the length of a tick.
+    pub fn dt(&self) -> f64 {
+        self.dt
+    }
+
+    /// m/s, what a metre per second of a body with legs of 0.83 m is for this one.
+    pub fn pace(&self) -> f64 {
+        self.params.size / self.params.tempo
+    }
+
+    /// The foot that swings or is next, what share of its step is over, and the step's time, s.
+    pub fn stride(&self) -> (Side, f64, f64) {
+        let (params, gait) = (&self.params, &self.state.gait);
+        let rhythm = walk::rhythm_now(params, &self.physique, &self.state);
+        let begun = if gait.phase == Phase::Single { gait.since - rhythm.double } else { gait.since };
+        (gait.side, (self.state.time - begun) / rhythm.step, rhythm.step)
+    }
+
     /// One tick with that intent under those pushes (those that are acting by their times).
     pub fn step(&mut self, intent: &Inputs, pushes: &[SessionPush]) -> TickOutput {
-        self.bend(intent.crouch);
+        self.bend_to(intent.crouch);
         let inputs = acting(*intent, pushes, self.state.time, self.dt);
         let output = stepper::tick(&self.params, &self.physique, &self.terrain, &mut self.state, &inputs, self.dt);
         self.last = self.record(&inputs);
@@ -112,7 +163,7 @@ impl Session {
     }
 
     /// Goes as low as is wanted, in about half a second: to the controller it is a body with shorter legs.
-    fn bend(&mut self, amount: f64) {
+    pub fn bend_to(&mut self, amount: f64) {
         let amount = amount.clamp(0.0, DEEPEST);
         if self.crouch.x == amount && self.crouch.v == 0.0 {
             return;
@@ -133,7 +184,8 @@ impl Session {
             leg_length: self.whole.leg_length - lower,
             ..self.whole
         };
-        self.params = Params::new(&self.physique, &self.style);
+        let tuned = if self.embodied { Params::embodied } else { Params::new };
+        self.params = tuned(&self.physique, &self.style);
     }
 
     /// The controller's state.
@@ -160,7 +212,7 @@ impl Session {
     }
 
     fn record(&self, inputs: &Inputs) -> TickState {
-        let crouched = self.crouch.x * self.whole.leg_length;
+        let crouched = self.lowered();
         TickState {
             xi: self.state.xi(),
             push: inputs.force,

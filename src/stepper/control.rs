@@ -59,7 +59,8 @@ pub fn tick(
     output
 }
 
-fn perceive(params: &Params, physique: &Physique, state: &mut State, inputs: &Inputs, dt: f64) {
+/// What it feels of a push, where its pelvis turns, how long it has been disturbed.
+pub(super) fn perceive(params: &Params, physique: &Physique, state: &mut State, inputs: &Inputs, dt: f64) {
     let force = ground(inputs.force);
     let slow = if force.length_squared() > state.felt.length_squared() { 0.8 * params.tempo } else { params.sense };
     state.felt += (force - state.felt) * (1.0 - real::exp(-dt / slow));
@@ -90,9 +91,20 @@ fn advance(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut 
         return None;
     }
     state.feet[swing.side as usize] = swing.to;
+    Some(landed(params, physique, terrain, state, &swing))
+}
+
+/// The foot of that swing is down, where [`State::feet`] has it.
+pub(super) fn landed(
+    params: &Params,
+    physique: &Physique,
+    terrain: &Terrain,
+    state: &mut State,
+    swing: &Swing,
+) -> Step {
     state.swing = None;
     let from = state.held[swing.side as usize];
-    let to = footing::to_ground(&swing.to, terrain.turn(state.time));
+    let to = footing::to_ground(&state.feet[swing.side as usize], terrain.turn(state.time));
     state.held[swing.side as usize] = to;
     state.hold(params, physique);
     state.settled = 0.0;
@@ -101,12 +113,12 @@ fn advance(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut 
         state.recovering = 0.0;
     }
     if swing.kind == StepKind::Walk {
-        pace::landed(params, terrain, state);
+        pace::landed(params, state);
         walk::landed(params, physique, state, swing.side);
     }
-    let Swing { side, kind, lift, .. } = swing;
+    let Swing { side, kind, lift, .. } = *swing;
     let lift = state.one.lifted.take().unwrap_or(lift);
-    Some(Step { side, kind, lift, land: state.time, from, to })
+    Step { side, kind, lift, land: state.time, from, to }
 }
 
 /// Keeps the clocks of rest and of failure.

@@ -41,7 +41,7 @@ pub fn rhythm(
     let forward = if along > 0.0 { 0.0065 } else { 0.0050 };
     let ratio = forward * along * along + 0.0018 * across * across; // m per step/min
     let spin = (turn.abs() * params.tempo).min(1.0);
-    let cadence = (60.0 * speed / ratio.max(1e-4)).sqrt().max(66.0 + 36.0 * spin);
+    let cadence = (60.0 * speed / ratio.max(1e-4)).sqrt().max(params.cadence.max(66.0 + 36.0 * spin));
     let step = (60.0 / cadence).min(longest / params.size / speed.max(1e-9));
     let share = (0.24 - 0.133 * (speed - 1.2)).clamp(0.14, 0.36);
     let travel = speed * step * across.abs() * params.size;
@@ -52,11 +52,11 @@ pub fn rhythm(
     let room = (beside - params.step_width).max(0.0) * ((1.15 - ahead_by) / 0.3).clamp(0.0, 1.0);
     let full = (speed / 0.5).min(1.0) * along;
     let (rear, front) = (physique.heel + 0.26 * foot, physique.heel + 0.70 * foot);
-    let (mid, half) = (0.5 * (rear + front), 0.5 * (front - rear) * full);
-    let (mid, half) = if params.rolls { (mid, half) } else { (params.com_forward, 0.0) };
+    let (mid, half) = (0.5 * (rear + front), 0.5 * (front - rear) * full * params.rolled);
+    let (mid, half) = if params.rolls { (mid + params.roll_ahead, half) } else { (params.com_forward, 0.0) };
     Rhythm {
         step: step * params.tempo,
-        double: if params.rolls { share * step * params.tempo } else { 0.0 },
+        double: if params.rolls { params.double * share * step * params.tempo } else { 0.0 },
         width: params.step_width
             + room
             + (params.width - params.step_width).max(0.06 * params.size) * spin * (1.0 - speed).max(0.0)

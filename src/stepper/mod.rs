@@ -10,6 +10,7 @@
 mod balance;
 mod control;
 mod decide;
+pub mod follow;
 mod footfall;
 mod foothold;
 pub mod footing;
@@ -26,7 +27,7 @@ pub mod state;
 pub mod support;
 mod swing;
 mod turn;
-mod walk;
+pub mod walk;
 
 pub use control::tick;
 pub use params::{Params, Style};

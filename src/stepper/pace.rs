@@ -5,8 +5,6 @@
 //! and the sum of what the steps so far lacked. Ground plane (x, z), SI units.
 
 use super::{Params, State, ground};
-use crate::model::Terrain;
-use crate::model::scenario::GroundKind;
 use glam::DVec2;
 
 /// Share of a step's lack of speed that the next one makes up for: less than what would come and go about it.
@@ -15,6 +13,9 @@ const GAIN: f64 = 0.35;
 const MOST: f64 = 0.5;
 /// The same, the most that one step counts for: what is farther off was disturbed, and recovering is not keeping a pace.
 const DISTURBED: f64 = 0.15;
+
+/// Cosine of the lean of ground that counts as level: a tenth of a degree.
+const LEVEL: f64 = 1.0 - 1.5e-6;
 
 /// What is remembered of the steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -26,9 +27,10 @@ pub struct Pace {
 }
 
 /// A step of the gait has landed. On the level the closed form holds the speed by itself; where treads or gaps choose the
-/// footholds, they set the pace too.
-pub fn landed(params: &Params, terrain: &Terrain, state: &mut State) {
-    if matches!(terrain.kind, GroundKind::Flat | GroundKind::Stairs { .. } | GroundKind::Gaps { .. }) {
+/// footholds, they set the pace too: soles that both lie level stand on one or the other.
+pub fn landed(params: &Params, state: &mut State) {
+    if state.feet.iter().all(|foot| foot.normal.y > LEVEL) {
+        state.gait.pace = Pace::default();
         return;
     }
     let (com, now, wanted) = (ground(state.com), state.time, state.gait.velocity);

@@ -24,7 +24,7 @@ pub fn face(params: &Params, physique: &Physique, state: &mut State, inputs: &In
     let to_turn = (left_over + ahead_of_feet).abs();
     state.gait.turning = to_turn > if state.gait.turning { params.turned } else { params.twist_most };
     let pace = state.gait.velocity.length() * params.tempo / params.size;
-    let most = 1.6_f64.min(1.0 / pace.max(0.1)) / params.tempo;
+    let most = params.turn_rate.min(1.0 / pace.max(0.1) / params.tempo);
     let mut wanted = (left_over * 4.0 / params.tempo).clamp(-most, most);
     if wanted * ahead_of_feet > 0.0 {
         let (free, gone) = if state.gait.spot { (0.1, 0.35) } else { (0.4, 0.25) };

@@ -22,6 +22,9 @@ const TURN: f64 = 1.5 * std::f64::consts::PI / 180.0;
 const LEANS: f64 = 5.0 * std::f64::consts::PI / 180.0;
 /// rad: a sole that leans by less is not raised.
 const RAISED: f64 = 0.9 * std::f64::consts::PI / 180.0;
+/// rad: a foot whose toes are bent by more stands on its ball. A millimetre at the ankle, of which the knee of a leg that is almost straight
+/// makes a few: held flat for longer, the leg would be too far from the run's.
+const BENT: f64 = 0.4 * std::f64::consts::PI / 180.0;
 /// Ticks: a shorter contact is none.
 const LEAST: usize = 5;
 /// Ticks between contacts of a foot that creeps: room to go over from one to the next.
@@ -152,7 +155,8 @@ impl<'a> Track<'a> {
     fn is_near(&self, centre: &[DVec3; 4], index: usize, part: Part) -> bool {
         let marks = self.marks(index, part);
         let off = |place: usize| marks[place].distance(centre[place]);
-        off(0).max(off(1)) <= PLACE * self.size && off(2).max(off(3)) <= TURN
+        let bent = part == Part::Flat && self.bends(index) >= BENT;
+        off(0).max(off(1)) <= PLACE * self.size && off(2).max(off(3)) <= TURN && !bent
     }
 
     /// Whether the foot stands on all of its sole at a tick.
@@ -160,7 +164,8 @@ impl<'a> Track<'a> {
         let ankle = |index: usize| self.feet[index].ankle;
         let ball = |index: usize| self.points[1][index];
         let still = self.slow(index, &ankle) && self.slow(index, &ball);
-        self.pressed[index] && self.leans(index) < LEANS && still && self.near(index, Part::Flat)
+        let flat = self.leans(index) < LEANS && self.bends(index) < BENT;
+        self.pressed[index] && flat && still && self.near(index, Part::Flat)
     }
 
     /// What it turns about at a tick: raised, or flat and turned over the ground.
@@ -218,6 +223,13 @@ impl<'a> Track<'a> {
     /// Unit: square to its sole.
     fn up(&self, index: usize) -> DVec3 {
         self.feet[index].foot * self.run.body.feet[self.side as usize].level.inverse() * DVec3::Y
+    }
+
+    /// rad, by how much its toes are bent: whose heel has risen stands on his ball, however still he stands.
+    fn bends(&self, index: usize) -> f64 {
+        let (foot, shape) = (&self.feet[index], &self.run.body.feet[self.side as usize]);
+        let along = foot.foot * shape.level.inverse() * shape.toe_level;
+        along.angle_between(foot.toe)
     }
 
     /// rad, against the ground.

@@ -94,6 +94,7 @@ fn run(body: &Body, scenario: &Scenario, seed: u64, (helped, ahead): (Helped, Ah
         // The run ends with the clip.
         extra: 0.0,
         seed,
+        style: style(scenario),
         ..ArticulatedOptions::default()
     };
     let known = pushes::known(body, scenario);

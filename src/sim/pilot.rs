@@ -1,0 +1,140 @@
+//! The stepper's plan leads the articulated body: it is fed the links' own state and hands on what the law is to do. Scenario space, SI.
+
+use super::run::Course;
+use super::session::Session;
+use crate::maths::pendulum;
+use crate::maths::quat::yaw_of;
+use crate::model::{Plant, Side};
+use crate::ragdoll::{Controller, Guide, Wish};
+use crate::stepper::follow::{self, Measured};
+use crate::stepper::{Inputs, Phase, Style};
+use glam::{DVec2, DVec3};
+
+/// m/s on legs of 0.83 m, the fastest walk: faster, balance is kept for less than a minute.
+pub const FASTEST: f64 = 1.3;
+/// s before a foot leaves, from when on the other one takes its weight.
+const SOON: f64 = 0.03;
+/// s for which the law must have been at ease before the plan leads again out of a stand, at legs of 0.83 m.
+const AT_EASE: f64 = 0.4;
+
+/// s at legs of 0.83 m, over which its speed is seen; 1/s, how fast what it lacks is gathered; m/s, the most that is made up for.
+const SEEN: f64 = 0.6;
+const GATHERS: f64 = 0.3;
+const MOST: f64 = 0.3;
+
+/// m/s at legs of 0.83 m, how fast the pelvis goes down into a crouch and up again.
+const SINKS: f64 = 0.2;
+
+/// The plan of a body.
+#[derive(Clone, Debug)]
+pub(super) struct Pilot {
+    session: Session,
+    led: bool,
+    /// m/s, what walks lack of the speed that is asked for, summed up; how fast it went lately, (x, z).
+    lacks: DVec2,
+    mean: DVec2,
+}
+
+impl Pilot {
+    /// At rest, as the body stands at first.
+    pub(super) fn new(course: &Course, style: &Style, dt: f64) -> Pilot {
+        Pilot {
+            session: Session::embodied(course.physique, course.terrain, style, dt),
+            led: false,
+            lacks: DVec2::ZERO,
+            mean: DVec2::ZERO,
+        }
+    }
+
+    /// The plan for the coming tick: sets what guides the law, or that nothing does.
+    pub(super) fn lead(&mut self, course: &Course, control: &mut Controller, inputs: &Inputs, force: DVec3) {
+        self.session.bend_to(inputs.crouch);
+        let most = SINKS * self.session.pace() * self.session.dt();
+        control.lower += (self.session.lowered() - control.lower).clamp(-most, most);
+        control.going = inputs.walk.unwrap_or_default();
+        let measured = measure(course, control, force);
+        let walking = self.session.state().gait.velocity.length() > 0.3;
+        let busy = control.occupied();
+        let shaken = !self.led && !walking && control.at_ease() < AT_EASE * control.tempo();
+        if busy || shaken {
+            self.session.wait(&measured);
+            self.led = false;
+            control.guide = None;
+            (self.lacks, self.mean) = (DVec2::ZERO, flat(control.report.velocity));
+            self.session.face(control.looks());
+            return;
+        }
+        let inputs = self.made_up(inputs, control);
+        self.session.follow(&inputs, &measured);
+        let state = self.session.state();
+        self.led = follow::leads(state);
+        control.guide = self.led.then(|| self.guide(course));
+        if !self.led {
+            control.look(self.session.state().facing);
+        }
+    }
+
+    /// What is asked of the plan for the body to go as fast as is asked of it: what it has been slower by is added.
+    fn made_up(&mut self, inputs: &Inputs, control: &Controller) -> Inputs {
+        let (state, dt, tempo) = (self.session.state(), self.session.dt(), control.tempo());
+        let Some(walk) = inputs.walk.filter(|walk| *walk != DVec2::ZERO) else {
+            self.lacks = DVec2::ZERO;
+            return *inputs;
+        };
+        self.mean += (flat(control.report.velocity) - self.mean) * (dt / (SEEN * tempo)).min(1.0);
+        if matches!(state.gait.phase, Phase::Single | Phase::Double) {
+            let asked = state.gait.velocity - self.lacks;
+            self.lacks = (self.lacks + (asked - self.mean) * (GATHERS * dt)).clamp_length_max(MOST * tempo);
+        }
+        let walk = walk.clamp_length_max(FASTEST * self.session.pace());
+        Inputs { walk: Some(walk + self.lacks), ..*inputs }
+    }
+
+    fn guide(&self, course: &Course) -> Guide {
+        let (state, params) = (self.session.state(), self.session.params());
+        let swing = state.swing.map(|swing| Wish {
+            side: swing.side,
+            ankle: DVec2::new(swing.to.ankle.x, swing.to.ankle.z),
+            yaw: swing.to.yaw - course.start[swing.side as usize].yaw,
+            left: swing.land - state.time,
+            lift: params.lift_height,
+            height: follow::held_height(params, state),
+        });
+        let gait = &state.gait;
+        let steps = matches!(gait.phase, Phase::Single | Phase::Double);
+        let stride = steps.then(|| self.session.stride());
+        Guide {
+            pressure: state.cop,
+            heading: state.facing,
+            velocity: gait.velocity,
+            swing,
+            leaves: follow::leaves(state, SOON),
+            stride,
+        }
+    }
+
+    /// Where in the gait it is and what velocity (m/s) it follows, where it leads.
+    pub(super) fn gait(&self) -> Option<(Phase, DVec2)> {
+        let gait = &self.session.state().gait;
+        self.led.then_some((gait.phase, gait.velocity - self.lacks))
+    }
+}
+
+fn flat(v: DVec3) -> DVec2 {
+    DVec2::new(v.x, v.z)
+}
+
+/// What the body is found to do.
+fn measure(course: &Course, control: &Controller, force: DVec3) -> Measured {
+    let (figure, states) = (course.figure, control.states());
+    let height = control.height();
+    let rate = pendulum::rate(height.max(1e-3));
+    let (com, velocity) = control.motion_of(rate);
+    let feet = Side::BOTH.map(|side| {
+        let state = states[figure.legs[side as usize][2]];
+        let yaw = yaw_of(state.turn) + course.start[side as usize].yaw;
+        Plant::level(DVec3::new(state.origin.x, 0.0, state.origin.z), yaw)
+    });
+    let stands = Side::BOTH.map(|side| control.swing.is_none_or(|swing| swing.side != side));
+    Measured { com: DVec3::new(com.x, height, com.z), velocity, feet, stands, force }
+}

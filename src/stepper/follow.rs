@@ -1,0 +1,162 @@
+//! The plan for a body that moves by itself: the same decisions as [`super::tick`]'s, from a state that is measured.
+//!
+//! [`super::tick`] integrates its own pendulum and lands its own feet. Here the centre of mass, the feet and which of them stand come
+//! from a body of links and torques; what comes out is in [`State`]: the swing (which foot, where to, when), the pressure wanted
+//! and where the pelvis is to point. Only what is meant is planned (to go, to turn, to stand on one foot): what a fall asks for is
+//! the body's own law's, and the plan gives up where a foothold is out of reach. Level ground so far. Scenario space, SI units.
+
+use super::{Inputs, Params, Physique, Plant, State, Step, StepKind, Style};
+use super::{balance, control, decide, foothold, footing, grip, ground, rise, roll, stand, walk};
+use crate::maths::real;
+use crate::model::{Side, Terrain};
+use glam::DVec3;
+
+/// What a body is found to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// m, centre of mass; its height is over the ground under the feet.
+    pub com: DVec3,
+    /// m/s; so that ξ = com + velocity / ω is the body's, its angular momentum counted in.
+    pub velocity: DVec3,
+    /// Where the feet are: the ankles' shadows, raised by their heights in the air.
+    pub feet: [Plant; 2],
+    /// Which of them stand.
+    pub stands: [bool; 2],
+    /// N, what pushes it.
+    pub force: DVec3,
+}
+
+impl Params {
+    /// The tuning of a plan that a body of links follows. An error of ξ grows by e^(ωT) in a step of T s, and such a body makes errors:
+    /// it steps quicker than people, with less time on both feet, and holds ξ harder. Found by walks of 60 s and by shoves of walkers.
+    pub fn embodied(physique: &Physique, style: &Style) -> Params {
+        let own = Params::new(physique, style);
+        let pace = own.size / own.tempo;
+        Params {
+            cadence: 146.0,
+            double: 0.5,
+            walk_gain: 0.75,
+            roll_ahead: 0.02 * own.size,
+            lift_height: 0.6 * own.lift_height,
+            retarget: 1.8 * pace,
+            step_width: 0.95 * own.step_width,
+            stumble: 0.15 * own.size,
+            rolled: 0.8,
+            ..own
+        }
+    }
+}
+
+/// One tick of `dt` s of the plan for a body that does what is measured. A step that the body finished is returned.
+pub fn follow(
+    params: &Params,
+    physique: &Physique,
+    terrain: &Terrain,
+    state: &mut State,
+    (inputs, measured): (&Inputs, &Measured),
+    dt: f64,
+) -> Option<Step> {
+    take_in(state, measured, terrain);
+    let landed = land(params, physique, terrain, state, measured, dt);
+    if state.swing.is_none() {
+        state.hold(params, physique);
+    }
+    rest(params, state, dt);
+    let inputs = &Inputs { force: measured.force, ..*inputs };
+    control::perceive(params, physique, state, inputs, dt);
+    state.gait.grip = grip::longest(params, physique, state);
+    walk::steer(params, physique, terrain, state, inputs, dt);
+    rise::foresee(params, physique, terrain, state);
+    if state.swing.is_none() {
+        let busy = state.gait.phase == walk::Phase::Rest && stand::both_down(params, physique, state, inputs).0;
+        if !busy {
+            walk::both_down(params, physique, terrain, state, inputs, dt);
+        }
+    }
+    stand::hold(params, physique, terrain, state, inputs, dt);
+    decide::replan(params, physique, terrain, state, dt);
+    match roll::pressure(params, physique, state, dt) {
+        Some(cop) => state.cop = cop,
+        None => {
+            let wanted = stand::pressure(params, physique, state);
+            let wanted = wanted.unwrap_or_else(|| balance::pressure(params, physique, state));
+            state.cop += (wanted - state.cop) * (1.0 - real::exp(-dt / params.lag));
+        }
+    }
+    state.tick += 1;
+    state.time = state.tick as f64 * dt;
+    landed
+}
+
+/// The body's own law is at work: the plan keeps up with where the body is and waits.
+pub fn wait(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut State, measured: &Measured, dt: f64) {
+    state.swing = None;
+    state.intent = None;
+    state.one = super::OneFoot::default();
+    let velocity = ground(measured.velocity);
+    state.gait = super::Gait { velocity, ..super::Gait::still(state.gait.side) };
+    take_in(state, measured, terrain);
+    state.hold(params, physique);
+    state.cop = foothold::middle(params, state.ahead, foothold::ankles(state));
+    (state.calm, state.settled, state.recovering) = (0.0, 0.0, 0.0);
+    state.tick += 1;
+    state.time = state.tick as f64 * dt;
+}
+
+/// Is the plan in charge: does it go, turn, or stand on one foot?
+pub fn leads(state: &State) -> bool {
+    let planned = state.swing.is_some_and(|swing| matches!(swing.kind, StepKind::Walk | StepKind::Held));
+    planned || state.swing.is_none() && (state.gait.phase != walk::Phase::Rest || state.one.stance.is_some())
+}
+
+/// The foot that is about to leave the ground, within `soon` s.
+pub fn leaves(state: &State, soon: f64) -> Option<Side> {
+    let gait = &state.gait;
+    let goes = matches!(gait.phase, walk::Phase::Double | walk::Phase::Start) && state.swing.is_none();
+    (goes && gait.until - state.time < soon).then_some(gait.side)
+}
+
+/// m, how high a foot that is held up is to be now; `None` of a foot that steps.
+pub fn held_height(params: &Params, state: &State) -> Option<f64> {
+    let swing = state.swing.filter(|swing| swing.kind == StepKind::Held)?;
+    Some(stand::height(params, &swing, state.time))
+}
+
+fn take_in(state: &mut State, measured: &Measured, terrain: &Terrain) {
+    state.acceleration = DVec3::ZERO;
+    (state.com, state.velocity) = (measured.com, measured.velocity);
+    for side in Side::BOTH {
+        state.feet[side as usize] = measured.feet[side as usize];
+        if state.planted(side) {
+            state.held[side as usize] = footing::to_ground(&measured.feet[side as usize], terrain.turn(state.time));
+        }
+    }
+}
+
+/// Ends the swing where the body's foot stands; a foot that is late is waited for.
+fn land(
+    params: &Params,
+    physique: &Physique,
+    terrain: &Terrain,
+    state: &mut State,
+    measured: &Measured,
+    dt: f64,
+) -> Option<Step> {
+    let mut swing = state.swing?;
+    if measured.stands[swing.side as usize] && state.time > swing.lift + 1.5 * dt {
+        return Some(control::landed(params, physique, terrain, state, &swing));
+    }
+    if swing.land < state.time + dt {
+        swing.land = state.time + dt;
+        state.gait.until = swing.land;
+        state.swing = Some(swing);
+    }
+    None
+}
+
+/// The clocks of rest, of a body that is measured.
+fn rest(params: &Params, state: &mut State, dt: f64) {
+    let slow = state.velocity.length() < 0.12 * params.size / params.tempo;
+    let held = slow && state.swing.is_none() && state.outline.outside(state.xi()) <= 0.0;
+    state.calm = if held { state.calm + dt } else { 0.0 };
+}
