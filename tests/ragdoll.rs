@@ -5,6 +5,7 @@
 
 use crate::limits_grid::rigs;
 use glam::{DQuat, DVec3};
+use surefoot::bake::obeys::{Shirked, shirked};
 use surefoot::bake::ragdoll::{Stroll, stroll};
 use surefoot::bake::{BakeError, BakeOptions, Baked, Drive, Fall, Helped, bake};
 use surefoot::measure::{KnownPush, PushPoint};
@@ -173,6 +174,21 @@ fn a_walk_that_is_slower_than_asked_or_never_sets_off_is_told() {
     let tells = |list: &[String]| list.iter().any(|text| text.contains("walks at most") && text.contains("not 1.20"));
     println!("{:?}: {:?}", short.report.outcome, short.warnings);
     assert!(tells(&short.warnings) && tells(&short.report.plausibility.notes), "{:?}", short.warnings);
+}
+
+#[test]
+fn who_does_not_lift_his_foot_or_turn_as_told_is_told() {
+    let lanes = |lane: &str| parse("x.toml", &format!("title = 'x'\nduration = 7.0\n{lane}\n")).expect("a scenario");
+    let still = alone(&Scenario { duration: 7.0, ..Scenario::default() });
+    for (lane, what) in [
+        ("[[stand]]\nstart = 0.5\non = 'left'", Shirked::Stand),
+        ("[[turn]]\nstart = 0.5\nfacing = 90", Shirked::Turn),
+        ("[[walk]]\nstart = 0.5\nspeed = 0.8", Shirked::Walk),
+    ] {
+        let asked = lanes(lane);
+        assert_eq!(shirked(&asked, &still.performance), Some(what), "who stands has not done it: {lane}");
+        assert_eq!(shirked(&asked, &alone(&asked).performance), None, "{lane}");
+    }
 }
 
 #[test]

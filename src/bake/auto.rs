@@ -1,11 +1,12 @@
 //! Chooses between the stepper and the articulated body: both play the scenario, and what is better is kept. Where that is clear after
 //! one of them, the other bakes nothing.
 //!
-//! Who stands is before who falls, and who walks as told before who does not set off. Where things touch the body (balls, a box, a
+//! Who stands is before who falls, and who does as told before who does not set off, lift a foot or turn. Where things touch the body (balls, a box, a
 //! platform) the articulated body is kept; else the clip of the higher plausibility, the stepper's where they are even. Where
 //! both fall, the clip that shows more of it.
 
-use super::ragdoll::{Drive, Helped, Stroll, stroll, unplayed};
+use super::obeys::{Shirked, shirked};
+use super::ragdoll::{Drive, Helped, unplayed};
 use super::{BakeError, BakeOptions, Baked, bake_by};
 use crate::model::report::Outcome;
 use crate::model::scenario::{GroundKind, Scenario};
@@ -46,7 +47,7 @@ pub(super) fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions, helped
     }
     let ragdoll = bake_by(rig, scenario, options, Drive::Ragdoll(helped));
     match ragdoll {
-        Ok(ragdoll) if ragdoll.fall().is_none() && stroll(scenario, &ragdoll.performance) != Stroll::Never => {
+        Ok(ragdoll) if ragdoll.fall().is_none() && shirked(scenario, &ragdoll.performance).is_none() => {
             Ok(ragdoll.chosen(TOUCHED.into(), None))
         }
         ragdoll => stepper().map(|stepper| better(stepper, ragdoll, scenario)),
@@ -73,7 +74,7 @@ fn better(stepper: Baked, ragdoll: Result<Baked, BakeError>, scenario: &Scenario
         Err(error) => return stepper.chosen(format!("of the ragdoll, {error}"), None),
     };
     let scores = (stepper.report.plausibility.score, ragdoll.report.plausibility.score);
-    let stays = stroll(scenario, &ragdoll.performance) == Stroll::Never;
+    let shirked = shirked(scenario, &ragdoll.performance);
     match (stepper.fall(), ragdoll.fall()) {
         (None, Some(_)) => stepper.chosen("the ragdoll falls".into(), Some(scores.1)),
         (Some(_), None) => ragdoll.chosen("the stepper falls".into(), Some(scores.0)),
@@ -85,7 +86,10 @@ fn better(stepper: Baked, ragdoll: Result<Baked, BakeError>, scenario: &Scenario
                 stepper.chosen(format!("both fall; its clip {one}, the ragdoll's {other}"), Some(scores.1))
             }
         }
-        _ if stays => stepper.chosen("the ragdoll does not set off".into(), Some(scores.1)),
+        _ if shirked.is_some() => {
+            let what = shirked.map_or("obey", Shirked::told);
+            stepper.chosen(format!("the ragdoll does not {what}"), Some(scores.1))
+        }
         _ if touched(scenario) => ragdoll.chosen(TOUCHED.into(), Some(scores.0)),
         _ if scores.1 > scores.0 => ragdoll.chosen("its clip is the more plausible".into(), Some(scores.0)),
         _ => stepper.chosen("its clip is the more plausible".into(), Some(scores.1)),

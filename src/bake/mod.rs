@@ -24,6 +24,7 @@ pub mod keys;
 mod knees;
 mod leverage;
 mod looped;
+pub mod obeys;
 pub mod perform;
 pub mod played;
 pub mod props;

@@ -202,21 +202,6 @@ const SETS_OFF: f64 = 1.5;
 /// As [`SETS_OFF`] says.
 const GATHERS: f64 = 4.0;
 
-/// What is not as asked of an articulated body's walk, for a person.
-pub(super) fn strayed(scenario: &Scenario, performance: &Performance) -> Option<String> {
-    let leg = performance.timeline.body.leg_length;
-    let most = FASTEST * (leg / 0.83).sqrt();
-    let asked = scenario.walk.iter().map(|walk| walk.speed).fold(0.0, f64::max);
-    match stroll(scenario, performance) {
-        Stroll::Never => Some("the ragdoll never sets off on this rig: `--drive stepper` walks".into()),
-        _ if asked > most + 0.005 => {
-            Some(format!("on legs of {leg:.2} m the ragdoll walks at most {most:.2} m/s, not {asked:.2}"))
-        }
-        Stroll::Slower(got, wanted) => Some(format!("the ragdoll walks at {got:.2} m/s, not {wanted:.2}")),
-        Stroll::AsTold => None,
-    }
-}
-
 impl Driven {
     /// Its balls as the report takes them, one for each hit and one for each that missed.
     pub fn balls(&self) -> Vec<Ball> {

@@ -5,9 +5,10 @@
 
 use super::base;
 use super::contacts::{self, FootContact};
+use super::obeys;
 use super::perform::Performance;
 use super::played::{Played, drift};
-use super::ragdoll::{self, Driven};
+use super::ragdoll::Driven;
 use super::root_motion::RootMotion;
 use crate::maths::pendulum::GRAVITY;
 use crate::measure::{self, Findings, Frame, KnownPush, Motion, PushPoint, Setting, measure_in};
@@ -86,7 +87,7 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
     });
     let footless = footless(body, findings.as_ref());
     plausibility.notes.extend(footless.clone());
-    let strayed = performance.articulated.as_ref().and_then(|_| ragdoll::strayed(input.scenario, performance));
+    let strayed = performance.articulated.as_ref().and_then(|_| obeys::strayed(input.scenario, performance));
     plausibility.notes.extend(strayed.clone());
     let fallen = findings.as_ref().and_then(|findings| findings.balance.fallen);
     let slips: Vec<f64> =

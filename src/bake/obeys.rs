@@ -1,0 +1,89 @@
+//! Whether a run of the articulated body did what it was told: who does not is told, and `auto` keeps the stepper. Scenario space, SI.
+
+use super::Performance;
+use super::ragdoll::{Stroll, stroll};
+use crate::maths::quat::wrap_angle;
+use crate::model::Side;
+use crate::model::scenario::{Feet, Scenario};
+use crate::sim::{FASTEST, Script};
+
+/// s at legs of 0.83 m, by when a foot must be up that is not to be stood on: the weight goes over the other one in about one.
+const LIFTS: f64 = 2.5;
+/// s at such legs, by when a turn is done: by 180 degrees in 4.
+const TURNS: f64 = 4.5;
+/// rad, how far from where it is told to face it may end: 20 degrees, which is seen.
+const OFF: f64 = 0.35;
+
+/// What it never did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shirked {
+    /// It never set off.
+    Walk,
+    /// It never lifted the foot that it was not to stand on.
+    Stand,
+    /// It did not turn to where it was told to.
+    Turn,
+}
+
+impl Shirked {
+    /// What it did not do, for a person.
+    pub fn told(self) -> &'static str {
+        match self {
+            Shirked::Walk => "set off",
+            Shirked::Stand => "lift its foot",
+            Shirked::Turn => "turn to where it is told",
+        }
+    }
+}
+
+/// What of the lanes of a scenario it never did, as far as it kept its balance.
+pub fn shirked(scenario: &Scenario, performance: &Performance) -> Option<Shirked> {
+    if stroll(scenario, performance) == Stroll::Never {
+        return Some(Shirked::Walk);
+    }
+    let trace = &performance.trace;
+    let script = Script::of(scenario, Vec::new());
+    let until = performance.lost.unwrap_or(f64::INFINITY).min(scenario.duration);
+    let tempo = (performance.timeline.body.leg_length / 0.83).sqrt();
+    let (mut on_one, mut facing, mut faces, mut off): (f64, f64, f64, f64) = (0.0, 0.0, 0.0, 0.0);
+    for (index, tick) in trace.ticks.iter().enumerate() {
+        let time = index as f64 * trace.dt;
+        if time > until {
+            break;
+        }
+        let intent = script.intent(time);
+        let walks = intent.walk.is_some_and(|walk| walk.length() > 0.0);
+        let up = match intent.stand {
+            Feet::Both => None,
+            Feet::Left => Some(Side::Right),
+            Feet::Right => Some(Side::Left),
+        };
+        let stands = up.is_some_and(|side| tick.planted[side as usize]) && !walks;
+        on_one = if stands { on_one + trace.dt } else { 0.0 };
+        if on_one > LIFTS * tempo {
+            return Some(Shirked::Stand);
+        }
+        let same = wrap_angle(intent.facing - facing).abs() < 1e-6 && !walks;
+        (facing, faces) = (intent.facing, if same { faces + trace.dt } else { 0.0 });
+        off = wrap_angle(tick.facing - intent.facing).abs();
+    }
+    let turned = !scenario.turn.is_empty() && faces > TURNS * tempo && off > OFF;
+    turned.then_some(Shirked::Turn)
+}
+
+/// What is not as asked of an articulated body's run, for a person.
+pub(super) fn strayed(scenario: &Scenario, performance: &Performance) -> Option<String> {
+    if let Some(shirked) = shirked(scenario, performance) {
+        return Some(format!("the ragdoll does not {} on this rig: `--drive stepper` does", shirked.told()));
+    }
+    let leg = performance.timeline.body.leg_length;
+    let most = FASTEST * (leg / 0.83).sqrt();
+    let asked = scenario.walk.iter().map(|walk| walk.speed).fold(0.0, f64::max);
+    match stroll(scenario, performance) {
+        _ if asked > most + 0.005 => {
+            Some(format!("on legs of {leg:.2} m the ragdoll walks at most {most:.2} m/s, not {asked:.2}"))
+        }
+        Stroll::Slower(got, wanted) => Some(format!("the ragdoll walks at {got:.2} m/s, not {wanted:.2}")),
+        Stroll::AsTold | Stroll::Never => None,
+    }
+}
