@@ -1,7 +1,7 @@
 //! How a copy of the body looks while it is run on: what of the measures of a clip can be seen of links. Scenario space, SI.
 
 use super::run::{Course, Run, Ticked};
-use crate::measure::gate::LONGEST_HOVER;
+use crate::measure::gate::{LEAST_LEGS, LONGEST_HOVER};
 use crate::measure::{legs, pops, scuff};
 use crate::model::{Side, Terrain};
 use glam::{DQuat, DVec3};
@@ -10,6 +10,8 @@ use glam::{DQuat, DVec3};
 const PRESSED: f64 = 0.01;
 /// m at legs of 0.83 m, what a copy must keep between its legs: well over what the gate asks, for nearer than that calves touch.
 const APART: f64 = 0.1;
+/// m at such legs, what a walker must keep, whose legs pass each other at 9 cm: half a centimetre over what the gate asks for.
+const CLEAR: f64 = LEAST_LEGS + 0.005;
 /// m at such legs, what feet may slide in all: what one sees at a glance is a third of a foot.
 const SLIDES: f64 = 0.1;
 /// rad, how far the trunk may lean: people lean by 26 degrees or so at most where they keep their feet after 150 Ns.
@@ -87,6 +89,11 @@ impl Looks {
         let slid = (self.slid - SLIDES).max(0.0);
         let leans = (self.leaned - UPRIGHT).max(0.0);
         HOVERS * hovers + CROSSED * crossed + SLID * slid + LEANS * leans
+    }
+
+    /// Whether it has gone on as nobody does, also of who walks: in the air, or with its legs in each other.
+    pub(super) fn absurd(&self) -> bool {
+        self.longest > LONGEST_HOVER || self.nearest < CLEAR
     }
 
     /// How often a joint of the legs jumps from one frame to the next.

@@ -169,7 +169,8 @@ impl Search {
         // Who goes on as he is led has caught himself: feet that walk slide and roll as they do.
         let goes = copy.goes();
         let late = if goes || copy.rest > RESTS { 0.0 } else { LATE };
-        let good = (goes || seen <= 0.0 && jumps <= 0.0) && taken <= MANY;
+        let fair = if goes { !looks.absurd() } else { seen <= 0.0 && jumps <= 0.0 };
+        let good = fair && taken <= MANY;
         Ending { good, cost: seen + JUMP * jumps + STEP * taken + late }
     }
 }

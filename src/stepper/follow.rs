@@ -41,6 +41,7 @@ impl Params {
             retarget: 1.8 * pace,
             step_width: 0.95 * own.step_width,
             stumble: 0.15 * own.size,
+            most_across: -own.step_gap, // a body's foot goes straight: across, it would go through the other leg
             rolled: 0.8,
             ..own
         }
