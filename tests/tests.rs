@@ -73,6 +73,7 @@ mod keys;
 /// Balls, boxes, and how long a recovery takes.
 mod lanes;
 /// Legs of any length.
+mod led_ground;
 mod legs;
 /// Slip, sole, joints, ZMP and the rest of the limits, on shoves of every rig.
 mod limits;

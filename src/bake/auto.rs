@@ -6,7 +6,8 @@
 //! both fall, the clip that shows more of it.
 
 use super::obeys::{Shirked, shirked};
-use super::ragdoll::{Drive, Helped, unplayed};
+use super::ragdoll::{Drive, Helped};
+use super::unplayed::unplayed;
 use super::{BakeError, BakeOptions, Baked, bake_by};
 use crate::model::report::Outcome;
 use crate::model::scenario::{GroundKind, Scenario};

@@ -40,6 +40,7 @@ mod swing;
 pub mod throws;
 pub mod timeline;
 mod track;
+mod unplayed;
 
 pub use auto::{Choice, Fall};
 pub use base::{Base, BaseError};

@@ -4,12 +4,13 @@
 
 use super::carried::{self, Carried};
 use super::throws::{Ball, Hit, Toss};
+use super::unplayed::unplayed;
 use super::{BakeError, Performance};
 use crate::measure::{KnownPush, PushPoint};
-use crate::model::scenario::{GroundKind, Scenario, Stepper};
+use crate::model::scenario::Scenario;
 use crate::model::{Body, Load, Physique, Terrain};
 use crate::ragdoll::control::Assist;
-use crate::sim::{Ahead, Articulated, ArticulatedOptions, FASTEST, Incoming, Script, Things, simulate_with};
+use crate::sim::{Ahead, Articulated, ArticulatedOptions, Incoming, Script, Things, simulate_with};
 use crate::stepper::Phase;
 use crate::whole_body::{Anatomy, Solver, stand};
 use glam::DVec3;
@@ -58,34 +59,6 @@ pub(super) fn rungs(mass: f64) -> impl Iterator<Item = Assist> {
 
 /// kg, of whom [`TRIES`] are.
 const HEAVY: f64 = 89.5;
-
-/// Share of the leg: deeper, balance wants steps of which the law has no plan.
-const LOWEST: f64 = 0.2;
-
-/// What of a scenario the articulated body cannot play yet, for a person; empty where it plays it all.
-pub fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
-    let mut parts = Vec::new();
-    let mut part = |is: bool, name: &'static str| {
-        if is {
-            parts.push(name);
-        }
-    };
-    let flat = matches!(scenario.ground.kind, GroundKind::Flat);
-    let lanes = [!scenario.walk.is_empty(), !scenario.turn.is_empty(), !scenario.crouch.is_empty()];
-    let [walks, turns, crouches] = lanes;
-    let stands = !scenario.stand.is_empty();
-    part(walks && !flat, "[[walk]] on ground that is not flat");
-    part(turns && !flat, "[[turn]] on ground that is not flat");
-    part(crouches && !flat, "[[crouch]] on ground that is not flat");
-    part(stands && !flat, "[[stand]] on ground that is not flat");
-    part(scenario.walk.iter().any(|walk| walk.speed > FASTEST), "[[walk]] at more than 1.3 m/s");
-    part(scenario.crouch.iter().any(|crouch| crouch.amount > LOWEST), "[[crouch]] by more than 0.2");
-    part(crouches && (walks || turns || stands), "[[crouch]] beside [[walk]], [[turn]] or [[stand]]");
-    part(scenario.character.crouch > 0.0, "[character] crouch");
-    part(scenario.base.is_some(), "[base]");
-    part(scenario.stepper != Stepper::default(), "[stepper]");
-    parts
-}
 
 #[expect(clippy::too_many_arguments, reason = "all that a run depends on")]
 /// Runs the articulated body, with as much help as is asked or allowed.

@@ -231,11 +231,6 @@ impl Controller {
         (com, velocity + DVec3::new(lean.x, 0.0, lean.y))
     }
 
-    /// m, the centre of mass over the level ground.
-    pub fn height(&self) -> f64 {
-        self.motion.com.y
-    }
-
     /// One tick: reads the world, decides, drives. The world is to be stepped after it.
     pub fn tick(&mut self, figure: &Figure, world: &mut World, terrain: &Terrain) -> Report {
         let dt = world.dt;
@@ -296,7 +291,7 @@ impl Controller {
         }
         let moment =
             (tuning.moment[0] + if moving { tuning.moment[1] * fast } else { 0.0 }) * (mass / 89.5) * self.size;
-        let led = self.guide.map(|guide| guide.pressure);
+        let led = self.guide.map(|guide| flat(guide.pressure));
         let goal = led.unwrap_or(middle + (xi - middle) * tuning.cop_gain);
         let inside = closest_point(&hull, goal).unwrap_or(middle);
         let cop = inside + (goal - inside).clamp_length_max(moment / (mass * GRAVITY));
@@ -312,7 +307,7 @@ impl Controller {
         self.aimed += (aim - self.aimed).clamp(-most, most);
         let wanted_height = self.aimed;
         let up = GRAVITY + tuning.height[0] * (wanted_height - self.states[0].origin.y) / self.size.sqrt()
-            - tuning.height[1] * self.motion.velocity.y;
+            - tuning.height[1] * (self.motion.velocity.y - self.guide.map_or(0.0, |guide| guide.climbs));
         let up = up.clamp(0.6 * GRAVITY, 2.0 * GRAVITY);
         let level = (flat(self.motion.com) - cop) * (up / height);
         DVec3::new(level.x, up - GRAVITY, level.y)
@@ -335,7 +330,7 @@ impl Controller {
         let linear = self.carried(figure, terrain, cop, height, floor, dt);
         // Pelvis and trunk upright, towards the heading.
         self.face();
-        let facing = DQuat::from_rotation_y(self.heading) * self.bowed(figure);
+        let facing = DQuat::from_rotation_y(self.heading) * self.bowed(figure, terrain);
         let turn = |link: usize, wanted: DQuat, gains: [f64; 2], most: f64| {
             let error = short(wanted * self.states[link].turn.inverse());
             (error * gains[0] - self.states[link].spin * gains[1]).clamp_length_max(most)
@@ -346,7 +341,8 @@ impl Controller {
         let legs = Side::BOTH.map(|side| {
             let bent = self.bend(figure, side);
             let bears = self.swing.is_none_or(|swing| swing.side != side);
-            LegMap::new(figure, &self.motion, figure.legs[side as usize], tuning.damping[usize::from(!bears)], bent)
+            let damping = if bears { tuning.damping[0] } else { self.swing_damping(figure, side) };
+            LegMap::new(figure, &self.motion, figure.legs[side as usize], damping, bent)
         });
         let feet = Side::BOTH.map(|side| self.foot_task(figure, terrain, side));
         self.stand_still(figure, terrain, &legs, dt);
@@ -354,9 +350,9 @@ impl Controller {
         let corners = self.corners(figure, terrain);
         let [level, up, mut tilt, mut yaw] = tuning.weights;
         let mut linear = linear;
-        if self.guide.is_some() {
+        if let Some(guide) = self.guide {
             [tilt, yaw] = guide::UPRIGHT;
-            linear = self.over_pressure(&base, &bias, floor, linear, angular);
+            linear = self.over_pressure(&base, &bias, guide.pressure.y, linear, angular);
         }
         let wanted = Wanted { linear, angular, weights: [level, up, tilt, yaw] };
         let mut forces = std::mem::take(&mut self.forces);

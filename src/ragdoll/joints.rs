@@ -94,12 +94,12 @@ impl Controller {
         &self,
         base: &Factored,
         bias: &Wrench,
-        floor: f64,
+        level: f64,
         linear: DVec3,
         angular: DVec3,
     ) -> DVec3 {
         let (mass, cop) = (self.motion.mass, self.report.cop);
-        let arm = DVec3::new(cop.x, floor, cop.y) - self.motion.com;
+        let arm = DVec3::new(cop.x, level, cop.y) - self.motion.com;
         let turned = |force: DVec3, about: f64| {
             let moment = arm.cross(force) + DVec3::Y * about;
             let wrench = [force.x, force.y, force.z, moment.x, moment.y, moment.z];

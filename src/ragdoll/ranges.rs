@@ -6,6 +6,7 @@
 use super::figure::{Figure, Freedom, INSIDE, Part};
 use crate::dynamics::{Axes, Range, Reading, Swing};
 use crate::measure::joints::JointAxes;
+use crate::model::scenario::GroundKind;
 use crate::model::{Side, Terrain};
 use glam::{DQuat, DVec3};
 
@@ -54,7 +55,11 @@ fn of_leg(figure: &Figure, part: Part, yields: f64) -> Option<Axes> {
 
 /// rad, by which hips and ankles go beyond their ranges on that ground.
 pub(super) fn leaning(terrain: &Terrain) -> f64 {
-    if terrain.moves() { LEANING } else { 0.0 }
+    match terrain.kind {
+        _ if terrain.moves() => LEANING,
+        GroundKind::Slope { .. } | GroundKind::Uneven { .. } => SLOPES,
+        _ => 0.0,
+    }
 }
 
 /// Least and most about x (forwards bends a trunk by more, a limb by less), about z, and about the bone.
@@ -75,6 +80,8 @@ const TURNS: f64 = 0.4;
 /// rad, by which hips and ankles go beyond the ranges that they are measured by on a platform that moves: the law lays soles flat on it even
 /// where it leans by 30 degrees.
 const LEANING: f64 = 1.2;
+/// rad, the same on ground that stays as it is, within what is heeded before the end: uphill every degree of an ankle counts.
+const SLOPES: f64 = 0.03;
 
 #[cfg(test)]
 mod tests {

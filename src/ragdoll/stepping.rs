@@ -3,7 +3,7 @@
 use super::control::{Controller, Swing, slant};
 use super::figure::Figure;
 use super::flat;
-use super::guide::RISE;
+use super::guide;
 use super::plan::{self, Situation};
 use super::swing::{self, Reference};
 use crate::maths::hull::{closest_point, convex_hull, shrink, signed_distance};
@@ -15,6 +15,8 @@ use glam::{DVec2, DVec3};
 
 /// s, for how long after an unhurried step only what leaves the soles is a fall: the time to take weight on the foot that landed.
 const EASED: f64 = 0.5;
+/// Share of a step against a fall at which its foot is over its place.
+const ARRIVES: f64 = 0.95;
 
 impl Controller {
     /// s since it last stepped against a fall or was about to.
@@ -161,30 +163,29 @@ impl Controller {
         let stands = swing.target - self.ahead(swing.yaw);
         let goal = stands + slant(figure, terrain, stands);
         // Off the ground before it travels.
-        let rise = match self.guide {
-            Some(_) => RISE,
-            None => self.tuning.rise,
-        };
+        let [rise, arrives] = if self.guided { guide::TRAVELS } else { [self.tuning.rise, ARRIVES] };
         if !down || passed > rise * swing.time {
             swing.free = true;
         }
         if swing.free {
-            let left = (0.95 * swing.time - passed).max(0.02);
+            let left = (arrives * swing.time - passed).max(0.02);
             swing.reference = swing::onwards(&swing.reference, goal, left, dt);
         }
         let x = (passed + dt) / (swing::LANDS * swing.time);
         let ground = terrain.spot(stands).height;
         let base = swing.from.y + (ground - swing.from.y) * x.clamp(0.0, 1.0);
-        let (y, v, a) = if x < 1.0 {
+        let speed = 1.0 / (swing::LANDS * swing.time);
+        let [y, v, a] = if self.guided {
+            swing::over(&swing.reference, [base + swing.lift, ground], self.tempo(), (passed, swing.time), dt)
+        } else if x < 1.0 {
             let [l, d, a] = swing::lift(x);
-            let speed = 1.0 / (swing::LANDS * swing.time);
-            (base + swing.lift * l, swing.lift * d * speed, swing.lift * a * speed * speed)
+            [base + swing.lift * l, swing.lift * d * speed, swing.lift * a * speed * speed]
         } else {
-            (swing.reference.at.y - 0.6 * dt, -0.6, 0.0)
+            swing::down(&swing.reference, dt)
         };
-        swing.reference.acceleration.y = a;
         swing.reference.at.y = y;
         swing.reference.velocity.y = v;
+        swing.reference.acceleration.y = a;
         self.swing = Some(swing);
     }
 

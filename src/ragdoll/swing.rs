@@ -57,6 +57,37 @@ pub(super) fn lift(x: f64) -> [f64; 3] {
     [16.0 * y * y, 32.0 * y * d, 32.0 * (d * d - 2.0 * y)]
 }
 
+/// Share of a led swing at which its foot is highest: early, as people's is. m/s at legs of 0.83 m, how fast it comes down.
+const HIGHEST: f64 = 0.35;
+const LANDING: f64 = 0.37;
+/// m/s, how fast a foot goes on down that is late.
+const SINKS: f64 = 0.6;
+
+/// The height of a led foot's reference a tick later, its speed and its acceleration: from how it moves to the top and then down to
+/// the ground (m), as far as it has come in the swing's time (s).
+pub(super) fn over(
+    reference: &Reference,
+    [top, ground]: [f64; 2],
+    tempo: f64,
+    (passed, time): (f64, f64),
+    dt: f64,
+) -> [f64; 3] {
+    let from = [reference.at.y, reference.velocity.y, reference.acceleration.y];
+    let (highest, lands) = (HIGHEST * time, LANDS * time);
+    if passed < highest {
+        quintic(from, [top, 0.0], highest - passed, dt)
+    } else if passed < lands - dt {
+        quintic(from, [ground, -LANDING * tempo], lands - passed, dt)
+    } else {
+        down(reference, dt)
+    }
+}
+
+/// The height of the reference of a foot that should be down by now.
+pub(super) fn down(reference: &Reference, dt: f64) -> [f64; 3] {
+    [reference.at.y - SINKS * dt, -SINKS, 0.0]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -45,10 +45,8 @@ impl Controller {
     /// m, the pelvis's height: the stand's, or less where a leg would not reach.
     pub(super) fn wanted_height(&self, figure: &Figure, terrain: &Terrain, floor: f64) -> f64 {
         let pelvis = self.states[0];
-        let steps = match self.guide {
-            Some(_) => guide::LEGS,
-            None => self.tuning.reach[1],
-        };
+        let [arrives, carries] = [false, true].map(|carries| self.leg_used(terrain, carries));
+        let floor = self.guide.map_or(floor, |guide| guide.floor);
         let mut height = self.pelvis_height + floor - self.tuning.crouch * self.size - self.lower;
         // On steep ground the knees are bent beforehand: a step down it must find ground.
         let crouch = STEEP * (1.0 - terrain.spot(flat(pelvis.origin)).normal.y);
@@ -68,12 +66,12 @@ impl Controller {
                         self.states[ankle].origin.y.min(lands + figure.ankle_height),
                         goal.y - drift.y,
                     );
-                    (at, steps + 0.05 * left / swing.time)
+                    (at, arrives + 0.05 * left / swing.time)
                 }
                 _ => {
                     // Who is at ease stands as in the stand, almost straight.
                     let ease = ((self.time - self.alarmed) / self.size.sqrt() - 0.5).clamp(0.0, 1.0);
-                    let alarmed = if self.swing.is_some() { steps } else { self.tuning.reach[0] };
+                    let alarmed = if self.swing.is_some() { carries } else { self.tuning.reach[0] };
                     (self.states[ankle].origin, alarmed + (self.tuning.at_ease - alarmed).max(0.0) * ease - crouch)
                 }
             };
@@ -114,11 +112,12 @@ impl Controller {
                     + (goal - state.origin) * tuning.foot[0]
                     + (swing.reference.velocity - velocity) * tuning.foot[1];
                 // A foot that could not stop in time would be carried over the one that stands.
+                let levels = if self.guided { guide::LEVELS } else { 1.0 };
+                let [stiff, damp] = [tuning.foot_turn[0] * levels, tuning.foot_turn[1] * levels.sqrt()];
                 let brakes = if asked.with_y(0.0).dot(velocity) < 0.0 { tuning.brakes } else { 1.0 };
                 Acceleration {
                     linear: asked.clamp_length_max(tuning.foot_most[0] * brakes),
-                    angular: (error * tuning.foot_turn[0] + (spin - state.spin) * tuning.foot_turn[1])
-                        .clamp_length_max(tuning.foot_most[1]),
+                    angular: (error * stiff + (spin - state.spin) * damp).clamp_length_max(tuning.foot_most[1]),
                 }
             }
             _ => {

@@ -2,9 +2,8 @@
 
 use super::run::Course;
 use super::session::Session;
-use crate::maths::pendulum;
 use crate::maths::quat::yaw_of;
-use crate::model::{Plant, Side};
+use crate::model::Side;
 use crate::ragdoll::{Controller, Guide, Wish};
 use crate::stepper::follow::{self, Measured};
 use crate::stepper::{Inputs, Phase, Style};
@@ -19,7 +18,7 @@ const AT_EASE: f64 = 0.4;
 
 /// s at legs of 0.83 m, over which its speed is seen; 1/s, how fast what it lacks is gathered; m/s, the most that is made up for.
 const SEEN: f64 = 0.6;
-const GATHERS: f64 = 0.3;
+const GATHERS: f64 = 0.2;
 const MOST: f64 = 0.3;
 
 /// m/s at legs of 0.83 m, how fast the pelvis goes down into a crouch and up again.
@@ -52,7 +51,7 @@ impl Pilot {
         let most = SINKS * self.session.pace() * self.session.dt();
         control.lower += (self.session.lowered() - control.lower).clamp(-most, most);
         control.going = inputs.walk.unwrap_or_default();
-        let measured = measure(course, control, force);
+        let measured = measure(course, control, self.session.state().omega(), force);
         let walking = self.session.state().gait.velocity.length() > 0.3;
         let busy = control.occupied();
         let shaken = !self.led && !walking && control.at_ease() < AT_EASE * control.tempo();
@@ -60,7 +59,7 @@ impl Pilot {
             self.session.wait(&measured);
             self.led = false;
             control.guide = None;
-            (self.lacks, self.mean) = (DVec2::ZERO, flat(control.report.velocity));
+            self.mean = flat(control.report.velocity);
             self.session.face(control.looks());
             return;
         }
@@ -104,7 +103,9 @@ impl Pilot {
         let steps = matches!(gait.phase, Phase::Single | Phase::Double);
         let stride = steps.then(|| self.session.stride());
         Guide {
-            pressure: state.cop,
+            pressure: follow::pressure(state),
+            floor: state.carried.height,
+            climbs: state.carried.rate,
             heading: state.facing,
             velocity: gait.velocity,
             swing,
@@ -124,17 +125,14 @@ fn flat(v: DVec3) -> DVec2 {
     DVec2::new(v.x, v.z)
 }
 
-/// What the body is found to do.
-fn measure(course: &Course, control: &Controller, force: DVec3) -> Measured {
+/// What the body is found to do; `rate` is its pendulum's, 1/s.
+fn measure(course: &Course, control: &Controller, rate: f64, force: DVec3) -> Measured {
     let (figure, states) = (course.figure, control.states());
-    let height = control.height();
-    let rate = pendulum::rate(height.max(1e-3));
     let (com, velocity) = control.motion_of(rate);
     let feet = Side::BOTH.map(|side| {
         let state = states[figure.legs[side as usize][2]];
-        let yaw = yaw_of(state.turn) + course.start[side as usize].yaw;
-        Plant::level(DVec3::new(state.origin.x, 0.0, state.origin.z), yaw)
+        (state.origin, yaw_of(state.turn) + course.start[side as usize].yaw)
     });
     let stands = Side::BOTH.map(|side| control.swing.is_none_or(|swing| swing.side != side));
-    Measured { com: DVec3::new(com.x, height, com.z), velocity, feet, stands, force }
+    Measured { com, velocity, feet, stands, force }
 }

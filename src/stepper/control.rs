@@ -73,7 +73,7 @@ pub(super) fn perceive(params: &Params, physique: &Physique, state: &mut State, 
     state.settled += dt;
     state.recovering += dt;
     let aim = middle(params, state.ahead, ankles(state));
-    let shoved = force.length() > 0.08 * physique.mass * GRAVITY;
+    let shoved = shoved(physique, state, force, dt);
     state.touch += (force - state.touch) * (1.0 - real::exp(-dt / (0.5 * params.sense)));
     state.pushed = if shoved { state.pushed + dt } else { 0.0 };
     if shoved || (state.xi() - aim).length() > 0.03 * params.size {
@@ -81,6 +81,13 @@ pub(super) fn perceive(params: &Params, physique: &Physique, state: &mut State, 
     } else if state.calm >= params.pause - params.instant && state.intent.is_none() {
         state.alarm = 0.0;
     }
+}
+
+/// Is it being shoved, by a force (N) that no one takes for a breeze? Keeps the time since then.
+pub(super) fn shoved(physique: &Physique, state: &mut State, force: DVec2, dt: f64) -> bool {
+    let shoved = force.length() > 0.08 * physique.mass * GRAVITY;
+    state.shoved = if shoved { 0.0 } else { state.shoved + dt };
+    shoved
 }
 
 /// Moves the swinging foot; sets it down when its time is up.

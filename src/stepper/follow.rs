@@ -3,9 +3,10 @@
 //! [`super::tick`] integrates its own pendulum and lands its own feet. Here the centre of mass, the feet and which of them stand come
 //! from a body of links and torques; what comes out is in [`State`]: the swing (which foot, where to, when), the pressure wanted
 //! and where the pelvis is to point. Only what is meant is planned (to go, to turn, to stand on one foot): what a fall asks for is
-//! the body's own law's, and the plan gives up where a foothold is out of reach. Level ground so far. Scenario space, SI units.
+//! the body's own law's, and the plan gives up where a foothold is out of reach. Scenario space, SI units.
 
-use super::{Inputs, Params, Physique, Plant, State, Step, StepKind, Style};
+use super::rise::Carried;
+use super::{Inputs, Params, Physique, State, Step, StepKind, Style};
 use super::{balance, control, decide, foothold, footing, grip, ground, rise, roll, stand, walk};
 use crate::maths::real;
 use crate::model::{Side, Terrain};
@@ -14,12 +15,12 @@ use glam::DVec3;
 /// What a body is found to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
-    /// m, centre of mass; its height is over the ground under the feet.
+    /// m, centre of mass.
     pub com: DVec3,
     /// m/s; so that ξ = com + velocity / ω is the body's, its angular momentum counted in.
     pub velocity: DVec3,
-    /// Where the feet are: the ankles' shadows, raised by their heights in the air.
-    pub feet: [Plant; 2],
+    /// m, where the ankles are, and rad, where the feet point.
+    pub feet: [(DVec3, f64); 2],
     /// Which of them stand.
     pub stands: [bool; 2],
     /// N, what pushes it.
@@ -33,16 +34,18 @@ impl Params {
         let own = Params::new(physique, style);
         let pace = own.size / own.tempo;
         Params {
-            cadence: 146.0,
-            double: 0.5,
-            walk_gain: 0.75,
-            roll_ahead: 0.02 * own.size,
-            lift_height: 0.6 * own.lift_height,
-            retarget: 1.8 * pace,
-            step_width: 0.95 * own.step_width,
-            stumble: 0.15 * own.size,
+            cadence: 152.0,
+            double: 0.45,
+            walk_gain: 0.6,
+            roll_ahead: 0.01 * own.size,
+            lift_height: 0.55 * own.lift_height,
+            retarget: 1.2 * pace,
+            step_width: 1.2 * own.step_width,
+            stumble: [0.15 * own.size, 0.05 * own.size],
             most_across: -own.step_gap, // a body's foot goes straight: across, it would go through the other leg
             rolled: 0.8,
+            margin: 0.5 * own.margin,
+            least_swing: 1.2 * own.least_swing,
             ..own
         }
     }
@@ -57,7 +60,7 @@ pub fn follow(
     (inputs, measured): (&Inputs, &Measured),
     dt: f64,
 ) -> Option<Step> {
-    take_in(state, measured, terrain);
+    take_in(physique, state, measured, terrain);
     let landed = land(params, physique, terrain, state, measured, dt);
     if state.swing.is_none() {
         state.hold(params, physique);
@@ -68,6 +71,7 @@ pub fn follow(
     state.gait.grip = grip::longest(params, physique, state);
     walk::steer(params, physique, terrain, state, inputs, dt);
     rise::foresee(params, physique, terrain, state);
+    rise::follow(params, physique, terrain, state, dt);
     if state.swing.is_none() {
         let busy = state.gait.phase == walk::Phase::Rest && stand::both_down(params, physique, state, inputs).0;
         if !busy {
@@ -91,12 +95,14 @@ pub fn follow(
 
 /// The body's own law is at work: the plan keeps up with where the body is and waits.
 pub fn wait(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut State, measured: &Measured, dt: f64) {
+    control::shoved(physique, state, ground(measured.force), dt);
     state.swing = None;
     state.intent = None;
     state.one = super::OneFoot::default();
     let velocity = ground(measured.velocity);
     state.gait = super::Gait { velocity, ..super::Gait::still(state.gait.side) };
-    take_in(state, measured, terrain);
+    take_in(physique, state, measured, terrain);
+    state.carried = Carried::still(rise::under(state, ground(state.com)));
     state.hold(params, physique);
     state.cop = foothold::middle(params, state.ahead, foothold::ankles(state));
     (state.calm, state.settled, state.recovering) = (0.0, 0.0, 0.0);
@@ -117,19 +123,26 @@ pub fn leaves(state: &State, soon: f64) -> Option<Side> {
     (goes && gait.until - state.time < soon).then_some(gait.side)
 }
 
+/// m, the centre of pressure, on the ground.
+pub fn pressure(state: &State) -> DVec3 {
+    DVec3::new(state.cop.x, rise::under_pressure(state, state.cop), state.cop.y)
+}
+
 /// m, how high a foot that is held up is to be now; `None` of a foot that steps.
 pub fn held_height(params: &Params, state: &State) -> Option<f64> {
     let swing = state.swing.filter(|swing| swing.kind == StepKind::Held)?;
     Some(stand::height(params, &swing, state.time))
 }
 
-fn take_in(state: &mut State, measured: &Measured, terrain: &Terrain) {
+fn take_in(physique: &Physique, state: &mut State, measured: &Measured, terrain: &Terrain) {
     state.acceleration = DVec3::ZERO;
     (state.com, state.velocity) = (measured.com, measured.velocity);
     for side in Side::BOTH {
-        state.feet[side as usize] = measured.feet[side as usize];
+        let (ankle, yaw) = measured.feet[side as usize];
+        let plant = footing::beneath(terrain, physique, ankle, (yaw, state.time));
+        state.feet[side as usize] = plant;
         if state.planted(side) {
-            state.held[side as usize] = footing::to_ground(&measured.feet[side as usize], terrain.turn(state.time));
+            state.held[side as usize] = footing::to_ground(&plant, terrain.turn(state.time));
         }
     }
 }

@@ -46,6 +46,20 @@ pub fn set_down_by(terrain: &Terrain, physique: &Physique, by: &Plant, ankle: DV
     }
 }
 
+/// The ground under the ankle of a foot that is or was somewhere: where it stands if it stands there, rad and s its yaw and the time.
+pub fn beneath(terrain: &Terrain, physique: &Physique, ankle: DVec3, (yaw, time): (f64, f64)) -> Plant {
+    let place = DVec2::new(ankle.x, ankle.z);
+    match terrain.kind {
+        GroundKind::Flat | GroundKind::Platform { .. } => set_down(terrain, physique, place, yaw, time),
+        _ => {
+            let normal = terrain.spot_under(ankle, 0.0).normal;
+            let point = ankle - normal * physique.ankle_height;
+            let spot = terrain.spot_under(DVec3::new(point.x, ankle.y, point.z), 0.0);
+            Plant { ankle: DVec3::new(point.x, spot.height, point.z), yaw, normal: spot.normal }
+        }
+    }
+}
+
 /// The nearest place along Z where the sole is on one tread, or on one side of a gap.
 fn held(terrain: &Terrain, physique: &Physique, ankle: DVec2, yaw: f64) -> DVec2 {
     let (toe, wide) = (real::cos(yaw), (real::sin(yaw) * physique.half_width).abs());

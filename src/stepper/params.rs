@@ -107,25 +107,25 @@ pub struct Params {
     pub trail: f64,       // m, the trailing foot starts when the centre of mass is so far from it and leaving
     pub lift_height: f64, // m, of the swinging ankle
     // Gait.
-    pub walk_arc: f64,    // as slip_arc: more of the vault shows in a walk
-    pub walk_bias: f64,   // as leg_bias, of a step of the gait
-    pub twist_most: f64,  // rad, a turn that leaves the feet behind by more is stepped
-    pub turned: f64,      // rad, and by less than so is done
-    pub rolls: bool,      // the pressure rolls under the feet
-    pub ramp: f64,        // m/s2, of the commanded velocity
-    pub step_width: f64,  // m, between the ankles' lines
-    pub step_gap: f64,    // m, between the ankles of feet that pass each other
-    pub stumble: f64,     // m, a wanted landing so far out of reach wants a corrective step
-    pub brief: f64,       // s, the swings of the first and the last step are no longer than so
-    pub least_swing: f64, // s, a hasty swing of the gait
-    pub transfer: f64,    // share of the rear foot in the pivot of the step that stops
-    pub walk_gain: f64,   // of ankle feedback on ξ at touchdown
-    pub cadence: f64,     // 1/min, steps at least, of a walk that does not turn
-    pub double: f64,      // times people's, the share of a step in which both feet carry
-    pub rolled: f64,      // times people's, how far the pressure rolls under a foot
-    pub roll_ahead: f64,  // m, by which the pressure rolls farther ahead under the feet
-    pub turn_rate: f64,   // rad/s, the fastest turn
-    pub leg_change: bool, // legs give and stretch
+    pub walk_arc: f64,     // as slip_arc: more of the vault shows in a walk
+    pub walk_bias: f64,    // as leg_bias, of a step of the gait
+    pub twist_most: f64,   // rad, a turn that leaves the feet behind by more is stepped
+    pub turned: f64,       // rad, and by less than so is done
+    pub rolls: bool,       // the pressure rolls under the feet
+    pub ramp: f64,         // m/s2, of the commanded velocity
+    pub step_width: f64,   // m, between the ankles' lines
+    pub step_gap: f64,     // m, between the ankles of feet that pass each other
+    pub stumble: [f64; 2], // m, a wanted landing so far out of reach wants a corrective step; the same soon after a shove
+    pub brief: f64,        // s, the swings of the first and the last step are no longer than so
+    pub least_swing: f64,  // s, a hasty swing of the gait
+    pub transfer: f64,     // share of the rear foot in the pivot of the step that stops
+    pub walk_gain: f64,    // of ankle feedback on ξ at touchdown
+    pub cadence: f64,      // 1/min, steps at least, of a walk that does not turn
+    pub double: f64,       // times people's, the share of a step in which both feet carry
+    pub rolled: f64,       // times people's, how far the pressure rolls under a foot
+    pub roll_ahead: f64,   // m, by which the pressure rolls farther ahead under the feet
+    pub turn_rate: f64,    // rad/s, the fastest turn
+    pub leg_change: bool,  // legs give and stretch
     // Comfort.
     pub stagger: f64, // m
     pub widen: f64,   // share of the width
@@ -223,7 +223,7 @@ impl Params {
             ramp: 0.8 * pace / tempo,
             step_width: (0.10 * size).max(2.0 * physique.half_width + 0.005 * size),
             step_gap: (0.09 * size).max(2.0 * physique.half_width),
-            stumble: dial(1.2, 1.0, 0.65) * size,
+            stumble: [dial(1.2, 1.0, 0.65) * size; 2],
             least_swing: dial(0.34, 0.28, 0.20) * tempo,
 
             brief: 0.45 * tempo,

@@ -124,6 +124,8 @@ pub struct State {
     pub touch: DVec2,
     /// s, how long it has lasted.
     pub pushed: f64,
+    /// s, since a shove last acted.
+    pub shoved: f64,
     /// m/s, speed that the tipping of the trunk has yet to give to the centre of mass, (x, z).
     pub tip: DVec2,
     /// m/s², upward acceleration that the legs give.
@@ -194,6 +196,7 @@ impl State {
             felt: DVec2::ZERO,
             touch: DVec2::ZERO,
             pushed: 0.0,
+            shoved: 1e3 * params.tempo,
             tip: DVec2::ZERO,
             lift: 0.0,
             arc: 0.0,

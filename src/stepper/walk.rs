@@ -162,7 +162,7 @@ pub fn both_down(
     } else {
         let least = ((params.double_support - state.settled).max(0.0), footfall::least_swing(params, state));
         let footfall = footfall::plan(params, physique, state, state.gait.side, (left_over, single), least);
-        if footfall.off > params.stumble {
+        if footfall.off > stumble(params, state) {
             state.gait.phase = Phase::Rest;
             return (false, None);
         }
@@ -187,6 +187,11 @@ pub fn both_down(
     (true, Some(lift(params, physique, terrain, state, inputs, (single, dt))))
 }
 
+/// m, a wanted landing so far out of reach wants a corrective step: less will do soon after a shove, which is not yet over.
+fn stumble(params: &Params, state: &State) -> f64 {
+    params.stumble[usize::from(state.shoved < params.tempo)]
+}
+
 /// Is there somewhere to go, or to turn to?
 fn goes(params: &Params, state: &State, inputs: &Inputs) -> bool {
     let least = 0.02 * params.size / params.tempo;
@@ -206,7 +211,7 @@ fn begin(params: &Params, physique: &Physique, state: &mut State) -> bool {
         let next = state.last.map_or(gait.side, Side::other);
         let (usual, other) = (off(next), off(next.other()));
         let side = if usual > other + 0.1 * params.size { next.other() } else { next };
-        if usual.min(other) > params.stumble {
+        if usual.min(other) > stumble(params, state) {
             return false;
         }
         state.gait.spot = false;

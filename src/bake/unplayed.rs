@@ -1,0 +1,86 @@
+//! What of a scenario the articulated body cannot play yet, by name: bounds within which seeded walks of several rigs keep their feet.
+
+use crate::maths::real;
+use crate::model::scenario::{GroundKind, Scenario, Stepper, Walk};
+use crate::sim::FASTEST;
+
+/// Share of the leg: deeper, balance wants steps of which the law has no plan.
+const LOWEST: f64 = 0.2;
+/// rad: slopes are walked up and across to here; on steeper ones the stand, the turn and the crouch are not kept either.
+const STEEP: f64 = 8.0_f64.to_radians();
+/// rad: and down to here.
+const STEEPEST: f64 = 25.0_f64.to_radians();
+/// rad: less is as good as level.
+const LEVEL: f64 = 2.0_f64.to_radians();
+/// rad, of a slope; m/s: walks on it are slower than the first, on a steeper one than the second.
+const TEN: f64 = 10.0_f64.to_radians();
+const SLOWER: [f64; 2] = [0.8, 0.6];
+
+/// What of a scenario the articulated body cannot play yet, for a person; empty where it plays it all.
+pub(super) fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
+    let mut parts = Parts::default();
+    match scenario.ground.kind {
+        GroundKind::Flat => {}
+        GroundKind::Slope { angle } => on_slope(scenario, angle, &mut parts),
+        GroundKind::Uneven { .. } => {
+            let fast = scenario.walk.iter().any(|walk| walk.speed > SLOWER[1]);
+            parts.add(fast, "[[walk]] at more than 0.6 m/s on uneven ground");
+        }
+        _ => elsewhere(scenario, &mut parts),
+    }
+    let [walks, turns, stands] = [!scenario.walk.is_empty(), !scenario.turn.is_empty(), !scenario.stand.is_empty()];
+    let crouches = !scenario.crouch.is_empty();
+    parts.add(scenario.walk.iter().any(|walk| walk.speed > FASTEST), "[[walk]] at more than 1.3 m/s");
+    parts.add(scenario.crouch.iter().any(|crouch| crouch.amount > LOWEST), "[[crouch]] by more than 0.2");
+    parts.add(crouches && (walks || turns || stands), "[[crouch]] beside [[walk]], [[turn]] or [[stand]]");
+    parts.add(scenario.character.crouch > 0.0, "[character] crouch");
+    parts.add(scenario.base.is_some(), "[base]");
+    parts.add(scenario.stepper != Stepper::default(), "[stepper]");
+    parts.0
+}
+
+#[derive(Default)]
+struct Parts(Vec<&'static str>);
+
+impl Parts {
+    fn add(&mut self, is: bool, name: &'static str) {
+        if is {
+            self.0.push(name);
+        }
+    }
+}
+
+fn on_slope(scenario: &Scenario, angle: f64, parts: &mut Parts) {
+    let rises = real::tan(angle);
+    let walks = |cannot: &dyn Fn(&Walk) -> bool| scenario.walk.iter().any(|walk| walk.speed > 0.0 && cannot(walk));
+    let up = |walk: &Walk| rises * real::cos(walk.heading);
+    let aside = |walk: &Walk| real::cos(walk.facing.unwrap_or(walk.heading) - walk.heading) < 0.7;
+    parts.add(walks(&|walk| up(walk) > real::tan(STEEP)), "[[walk]] up a slope of more than 8 degrees");
+    parts.add(walks(&|walk| up(walk) < -real::tan(STEEPEST)), "[[walk]] down a slope of more than 25 degrees");
+    parts.add(
+        walks(&|walk| (rises * real::sin(walk.heading)).abs() > real::tan(STEEP)),
+        "[[walk]] across a slope of more than 8 degrees",
+    );
+    parts.add(angle.abs() > LEVEL && walks(&aside), "[[walk]] backwards or sideways on a slope");
+    if angle.abs() > TEN {
+        parts.add(
+            walks(&|walk| walk.speed > SLOWER[1]),
+            "[[walk]] at more than 0.6 m/s on a slope of more than 10 degrees",
+        );
+    } else if angle.abs() > LEVEL {
+        parts.add(walks(&|walk| walk.speed > SLOWER[0]), "[[walk]] at more than 0.8 m/s on a slope");
+    }
+    if angle.abs() > STEEP {
+        parts.add(!scenario.turn.is_empty(), "[[turn]] on a slope of more than 8 degrees");
+        parts.add(!scenario.crouch.is_empty(), "[[crouch]] on a slope of more than 8 degrees");
+        parts.add(!scenario.stand.is_empty(), "[[stand]] on a slope of more than 8 degrees");
+    }
+}
+
+/// Stairs, gaps, a platform, a mesh.
+fn elsewhere(scenario: &Scenario, parts: &mut Parts) {
+    parts.add(!scenario.walk.is_empty(), "[[walk]] on ground with edges or that moves");
+    parts.add(!scenario.turn.is_empty(), "[[turn]] on ground with edges or that moves");
+    parts.add(!scenario.crouch.is_empty(), "[[crouch]] on ground with edges or that moves");
+    parts.add(!scenario.stand.is_empty(), "[[stand]] on ground with edges or that moves");
+}

@@ -1,0 +1,123 @@
+//! Clips of the articulated body that walks, turns and stands on one foot on slopes and on uneven ground, shoved in the midst of it.
+//!
+//! By its own torques alone, each clip of another person, on grounds and at speeds that are drawn.
+
+#![expect(clippy::print_stdout, reason = "numbers")]
+
+use crate::common::builtin;
+use crate::data;
+use rayon::prelude::*;
+use surefoot::bake::{BakeOptions, Baked, Drive, Helped, bake};
+use surefoot::maths::seed::Seed;
+use surefoot::model::report::Outcome;
+use surefoot::model::scenario_text;
+use surefoot::ragdoll::control::Assist;
+use surefoot::rig::Rig;
+
+/// Bakes that scenario with joint torques alone.
+fn baked(rig: &Rig, text: &str, seed: u64) -> Baked {
+    let scenario = scenario_text::parse("led", text).unwrap_or_else(|errors| panic!("{errors:?}\n{text}"));
+    let drive = Drive::Ragdoll(Helped::Within(Assist::default()));
+    bake(rig, &scenario, &BakeOptions { drive, seed: Some(seed), ..BakeOptions::default() }).expect("it bakes")
+}
+
+fn slope(degrees: f64, rest: &str) -> String {
+    format!("title = \"slope\"\nduration = 10.0\n[ground]\nkind = \"slope\"\nangle = {degrees:.2}\n{rest}")
+}
+
+fn uneven(seed: u32, height: f64, rest: &str) -> String {
+    let ground = format!("kind = \"uneven\"\nheight = {height:.3}\nwavelength = 2.0\nseed = {seed}");
+    format!("title = \"uneven\"\nduration = 10.0\n[ground]\n{ground}\n{rest}")
+}
+
+fn walk(speed: f64) -> String {
+    format!("[[walk]]\nstart = 0.5\nspeed = {speed:.3}\n")
+}
+
+/// m/s, along the walk, in the mean from 4 s on.
+fn speed(baked: &Baked) -> f64 {
+    let trace = &baked.performance.trace;
+    let from = (4.0 / trace.dt) as usize;
+    let (first, last) = (trace.ticks[from].com, trace.ticks[trace.ticks.len() - 1].com);
+    (last.z - first.z) / ((trace.ticks.len() - 1 - from) as f64 * trace.dt)
+}
+
+/// What a clip says of itself holds: joints in their ranges, soles on the ground, links where they were.
+fn sound(name: &str, baked: &Baked) {
+    let score = &baked.report.plausibility;
+    assert!(score.joint_excess_share <= 0.01, "{name}: joints past their ranges in {:.3}", score.joint_excess_share);
+    assert!(score.penetration_max_mm <= 6.0, "{name}: a sole is {:.1} mm deep", score.penetration_max_mm);
+    assert!(score.legs_mm >= 10.0, "{name}: the legs are {:.0} mm apart", score.legs_mm);
+    assert!(score.hover_longest_s <= 0.05, "{name}: in the air for {:.2} s", score.hover_longest_s);
+    let drift = baked.report.drift.as_ref().expect("a played clip");
+    assert!(drift.position_mm <= 5.0 && drift.angle_deg <= 2.0, "{name}: {drift:?}");
+}
+
+#[test]
+fn slopes_are_walked_up_and_down_by_every_body() {
+    let mut rigs = vec![builtin(), builtin(), builtin()];
+    if let Some(folder) = data::more() {
+        for name in ["gdquest_mannequiny.glb", "m2m_rig_human.glb"] {
+            rigs.push(surefoot::rig::load(&folder.join("rigs").join(name)).expect("the rig loads"));
+        }
+    }
+    let clips: Vec<(String, f64, Baked)> = (0..24u64)
+        .into_par_iter()
+        .map(|seed| {
+            let mut draw = Seed::new(seed ^ 0x510E);
+            let legs = [1.0, 0.7, 1.3][seed as usize % 3];
+            let rig = &rigs[seed as usize % rigs.len()];
+            let degrees = draw.between(-25.0, 8.0);
+            let pace = draw.between(0.35, if degrees < -10.0 { 0.5 } else { 0.7 });
+            let text = slope(degrees, &format!("[character]\nleg_scale = {legs}\n{}", walk(pace)));
+            (format!("{seed}: {degrees:.1} degrees at {pace:.2} m/s, legs {legs}"), pace, baked(rig, &text, seed))
+        })
+        .collect();
+    for (name, pace, clip) in &clips {
+        let report = &clip.report;
+        println!("{name}: {:?}, {:.2} m/s, score {:.2}", report.outcome, speed(clip), report.plausibility.score);
+        assert_ne!(report.outcome, Outcome::Fall, "{name}");
+        assert!((speed(clip) / pace - 1.0).abs() < 0.1, "{name}: {:.2} m/s", speed(clip));
+        sound(name, clip);
+    }
+}
+
+#[test]
+fn who_is_shoved_on_a_slope_keeps_his_feet() {
+    let rig = builtin();
+    for degrees in [5.0, 8.0, -5.0, -15.0, -25.0] {
+        let pace = if degrees < -10.0 { 0.5 } else { 0.6 };
+        let clips: Vec<Baked> = (0..16u32)
+            .into_par_iter()
+            .map(|way| {
+                let (start, toward) = (3.0 + 0.05 * f64::from(way), 22.5 * f64::from(way));
+                let push = format!("[[push]]\nstart = {start}\nduration = 0.2\nforce = 100\ntoward = {toward}\n");
+                baked(&rig, &slope(degrees, &(walk(pace) + &push)), u64::from(way))
+            })
+            .collect();
+        let stands = clips.iter().filter(|clip| clip.report.outcome != Outcome::Fall).count();
+        println!("{degrees} degrees: {stands} of 16 keep their feet");
+        assert!(stands >= 15, "{degrees} degrees: {stands} of 16");
+    }
+}
+
+#[test]
+fn uneven_ground_is_walked_and_stood_on() {
+    let rig = builtin();
+    let lanes =
+        [walk(0.5), "[[turn]]\nstart = 0.5\nfacing = 90\n".into(), "[[stand]]\nstart = 0.5\non = \"left\"\n".into()];
+    let clips: Vec<(String, Baked)> = (0..18u32)
+        .into_par_iter()
+        .map(|seed| {
+            let height = Seed::new(u64::from(seed)).between(0.02, 0.06);
+            let text = uneven(seed, height, &lanes[seed as usize % 3]);
+            (format!("{seed}: {height:.3} m"), baked(&rig, &text, u64::from(seed)))
+        })
+        .collect();
+    for (name, clip) in &clips {
+        println!("{name}: {:?}, score {:.2}", clip.report.outcome, clip.report.plausibility.score);
+        assert_ne!(clip.report.outcome, Outcome::Fall, "{name}");
+        assert!(!clip.warnings.iter().any(|warning| warning.contains("the ragdoll")), "{name}: {:?}", clip.warnings);
+        sound(name, clip);
+    }
+}
