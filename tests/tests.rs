@@ -74,6 +74,7 @@ mod keys;
 mod lanes;
 /// Legs of any length.
 mod led_ground;
+mod led_walks;
 mod legs;
 /// Slip, sole, joints, ZMP and the rest of the limits, on shoves of every rig.
 mod limits;

@@ -90,6 +90,8 @@ pub struct Tuning {
     pub follows: f64,
     /// m, a corner that is to be higher bears nothing; 1/m, how much dearer a higher one is.
     pub lifted: [f64; 2],
+    /// Times the plan's own, how far a foothold may be out of reach before the plan that leads gives up.
+    pub patience: f64,
 }
 
 impl Tuning {
@@ -173,6 +175,7 @@ impl Default for Tuning {
             margin: [0.042, 0.1],
             follows: 49.0,
             lifted: [0.006, 300.0],
+            patience: 1.0,
         }
     }
 }

@@ -7,6 +7,7 @@
 use super::Trace;
 use super::balls::{Flown, Incoming};
 use super::record::Record;
+use super::retrace::Retrace;
 use super::run::{Course, Run};
 use super::search::{Ahead, Search, Searched};
 use super::session::TICK;
@@ -176,10 +177,15 @@ fn play(course: &Course, mut run: Run, options: &ArticulatedOptions) -> Result<A
     let mut record = Record::new(course.start, course.figure, options.dt);
     let mut search = Search::new(options);
     let (mut sinking, mut lost): (Option<(usize, Run)>, _) = (None, None);
-    for tick in 0..=most {
+    let mut retrace = (course.led() && options.ahead.effort > 0).then(|| Retrace::new(course, options.dt));
+    let mut tick = 0;
+    while tick <= most {
         let time = tick as f64 * options.dt;
         if tick > planned && run.rest >= RESTS {
             break;
+        }
+        if let Some(retrace) = &mut retrace {
+            retrace.keep(&run, tick);
         }
         let before = search.may_decide(&run, time).then(|| run.clone());
         let mut ticked = run.tick(course, time);
@@ -192,7 +198,15 @@ fn play(course: &Course, mut run: Run, options: &ArticulatedOptions) -> Result<A
         }
         record.tick(course, &run.control, &ticked, time);
         let gives_up = options.ahead.gives_up.is_some_and(|when| time >= when - 1e-9);
-        if ticked.lies || ticked.height < FALLEN || gives_up {
+        let falls = ticked.lies || ticked.height < FALLEN;
+        if let Some(retrace) = retrace.as_mut().filter(|_| !gives_up)
+            && let Some(back) = retrace.back(&mut search, course, (&run, &ticked), (tick, falls))
+        {
+            ((tick, run), sinking) = (back, None);
+            record.cut(tick);
+            continue;
+        }
+        if falls || gives_up {
             // Nobody fights until he lies: seen from the end, the joints give way as soon as the body sinks for good.
             let (last, mut from) = sinking.take().filter(|_| !gives_up).unwrap_or((tick, run));
             record.cut(last + 1);
@@ -205,6 +219,7 @@ fn play(course: &Course, mut run: Run, options: &ArticulatedOptions) -> Result<A
             sinking = Some((tick, run.clone()));
         }
         run.go_on(course, time)?;
+        tick += 1;
     }
     let rest = if lost.is_some() { 0.0 } else { run.rest };
     let (balls, acting) = (run.balls.finish(), run.acting);

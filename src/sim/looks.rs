@@ -25,6 +25,7 @@ const LEANS: f64 = 4.0;
 const FRAME: f64 = 0.03;
 
 /// What has been seen so far.
+#[derive(Clone)]
 pub(super) struct Looks {
     dt: f64,
     /// N s in a tick.

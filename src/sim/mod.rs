@@ -6,6 +6,7 @@ mod looks;
 mod mirror;
 mod pilot;
 mod record;
+mod retrace;
 mod run;
 pub mod script;
 mod search;

@@ -57,6 +57,7 @@ impl Pilot {
         let shaken = !self.led && !walking && control.at_ease() < AT_EASE * control.tempo();
         if busy || shaken {
             self.session.wait(&measured);
+            control.tuning.patience = control.character.patience; // it has given up: next time as ever
             self.led = false;
             control.guide = None;
             self.mean = flat(control.report.velocity);
@@ -64,6 +65,7 @@ impl Pilot {
             return;
         }
         let inputs = self.made_up(inputs, control);
+        self.session.be_patient(control.tuning.patience);
         self.session.follow(&inputs, &measured);
         let state = self.session.state();
         self.led = follow::leads(state);

@@ -118,6 +118,8 @@ impl Record {
         self.torque_curves.iter_mut().for_each(|curve| curve.truncate(count));
         let last = (self.ticks.len() as f64 - 0.5) * self.dt;
         self.lifts.retain(|(_, time, _)| *time < last);
+        let bears = |soles: &Vec<Sole>| soles.last().is_none_or(|sole| sole.bears);
+        self.bearing = [bears(&self.soles[0]), bears(&self.soles[1])];
     }
 
     /// `until`: s, the clip's end: what comes later is no part of the feet's stands.

@@ -46,6 +46,13 @@ pub(super) struct Course<'a> {
     pub(super) start: [Plant; 2],
 }
 
+impl Course<'_> {
+    /// Does the stepper's plan lead it, when there is something to do?
+    pub(super) fn led(&self) -> bool {
+        (self.things.intent)(0.0).is_some()
+    }
+}
+
 /// The body and all that changes with it.
 #[derive(Clone)]
 pub(super) struct Run {

@@ -2,7 +2,7 @@
 //! taken. Scenario space, SI.
 //!
 //! It decides when a push is felt (not before) and whenever a corrective step begins; only where the body as it is would fall, or would
-//! stand in a way that nobody lets pass, is anything else tried. It may know the rest of the push: a clip is authored. The draws hang on the
+//! stand in a way that nobody lets pass, is anything else tried. Who is led is also gone back for after a fall ([`super::retrace`]). It may know the rest of the push: a clip is authored. The draws hang on the
 //! seed and on the tick, the budget is counted in ticks: the same input finds the same, on any machine.
 
 use super::ArticulatedOptions;
@@ -12,7 +12,7 @@ use crate::maths::seed::Seed;
 use crate::ragdoll::Tuning;
 
 /// s after its beginning, when a push is felt: the quickest of people's answers to a shove (0.1 to 0.15 s from experience of platforms that jerk).
-const FELT: f64 = 0.1;
+pub(super) const FELT: f64 = 0.1;
 /// s, how far ahead a copy is run.
 const AHEAD: f64 = 2.2;
 /// s at rest, after which a copy need not go on.
@@ -28,6 +28,12 @@ const STEP: f64 = 0.1;
 const LATE: f64 = 1.0;
 /// Steps: two catch a shove (Hof 2010: at most two), and as many again set the feet side by side.
 const MANY: f64 = 4.0;
+/// What it costs who is led to go on as nobody does: less than a fall.
+const ABSURD: f64 = 40.0;
+/// How patient the plan of who is led may be: it gives up at once, as usual, or late.
+const PATIENCE: [f64; 3] = [0.0, 1.0, 3.0];
+/// Times the ticks of all other decisions, what rescues may take.
+const RESCUES: usize = 3;
 /// Candidates at a decision and ticks in all, by effort.
 const EFFORTS: [(usize, usize); 4] = [(0, 0), (28, 8_000), (120, 40_000), (2_000, 3_000_000)];
 
@@ -60,6 +66,9 @@ pub struct Searched {
 pub(super) struct Search {
     done: Searched,
     left: usize,
+    /// Ticks for rescues, and how often one was tried.
+    spare: usize,
+    rescued: u64,
     seed: u64,
     dt: f64,
 }
@@ -79,6 +88,8 @@ impl Search {
         Search {
             done,
             left: EFFORTS[usize::from(effort)].1,
+            spare: RESCUES * EFFORTS[usize::from(effort)].1,
+            rescued: 0,
             seed: options.seed.wrapping_add(AGAIN.wrapping_mul(u64::from(options.ahead.again))),
             dt: options.dt,
         }
@@ -114,20 +125,40 @@ impl Search {
         if first.good {
             return None;
         }
-        let (mut best, mut dials) = (first.cost, None);
+        self.draw(course, run, time, first.cost)
+    }
+
+    /// Other dials from `time` on, with which a body that falls later, or goes on as nobody does, goes on as people do.
+    pub(super) fn rescue(&mut self, course: &Course, run: &Run, time: f64) -> Option<Tuning> {
+        let share = self.spare.min(EFFORTS[usize::from(self.done.effort)].1 / 2);
+        self.spare -= share;
+        let left = std::mem::replace(&mut self.left, share);
+        let found = self.draw(course, run, time, ABSURD);
+        self.spare += std::mem::replace(&mut self.left, left);
+        self.rescued += 1;
+        found
+    }
+
+    /// The best dials drawn at `time` that cost less than `most`.
+    fn draw(&mut self, course: &Course, run: &Run, time: f64, most: f64) -> Option<Tuning> {
+        let own = run.control.tuning;
+        let (mut best, mut dials) = (most, None);
         let fresh = run.control.character;
         let tick = (time / self.dt).round() as u64;
-        let mut draw = Seed::new(self.seed.wrapping_mul(7919).wrapping_add(tick));
+        let mut draw = Seed::new(self.seed.wrapping_add(self.rescued).wrapping_mul(7919).wrapping_add(tick));
         for index in 0..EFFORTS[usize::from(self.done.effort)].0 {
             if self.left == 0 {
                 break;
             }
             let near = dials.unwrap_or(own);
-            let next = match index {
+            let mut next = match index {
                 0 if own != fresh => fresh,
                 _ if index % 2 == 0 => fresh.drawn_near(&mut draw, 1.0),
                 _ => near.drawn_near(&mut draw, 0.5),
             };
+            if run.goes() {
+                next.patience = PATIENCE[(draw.bits() % 3) as usize];
+            }
             self.done.tried += 1;
             let ending = self.roll(course, run, &next, time, best);
             if ending.cost < best {
@@ -168,9 +199,10 @@ impl Search {
         let taken = copy.control.report.steps.saturating_sub(run.control.report.steps) as f64;
         // Who goes on as he is led has caught himself: feet that walk slide and roll as they do.
         let goes = copy.goes();
+        let absurd = if course.led() && looks.absurd() { ABSURD } else { 0.0 };
         let late = if goes || copy.rest > RESTS { 0.0 } else { LATE };
         let fair = if goes { !looks.absurd() } else { seen <= 0.0 && jumps <= 0.0 };
         let good = fair && taken <= MANY;
-        Ending { good, cost: seen + JUMP * jumps + STEP * taken + late }
+        Ending { good, cost: absurd + seen + JUMP * jumps + STEP * taken + late }
     }
 }

@@ -101,6 +101,12 @@ impl Session {
         follow::follow(params, &self.physique, terrain, &mut self.state, (intent, measured), self.dt)
     }
 
+    /// Gives up sooner or later than usual: times what is usual.
+    pub fn be_patient(&mut self, patience: f64) {
+        let Params { stumble, midair, .. } = Params::embodied(&self.physique, &self.style);
+        self.params = Params { stumble: stumble.map(|off| patience * off), midair: patience * midair, ..self.params };
+    }
+
     /// One tick in which the body's own law is at work.
     pub fn wait(&mut self, measured: &Measured) {
         follow::wait(&self.params, &self.physique, &self.terrain, &mut self.state, measured, self.dt);

@@ -152,6 +152,7 @@ pub fn lift(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut
         land,
         from,
         to,
+        off: 0.0,
         aim,
         passing: intent.passing,
         round,
@@ -211,9 +212,9 @@ pub fn replan(params: &Params, physique: &Physique, terrain: &Terrain, state: &m
     let wanted = if swing.kind == StepKind::Corrective {
         corrective(params, physique, state, swing.side, swing.passing, (left_over, whole)).plant
     } else if swing.kind == StepKind::Walk {
-        let (plant, land) = footfall::replan(params, physique, state, &swing, dt);
-        (swing.land, state.gait.until) = (land, land);
-        plant
+        let (footfall, land) = footfall::replan(params, physique, state, &swing, dt);
+        (swing.land, state.gait.until, swing.off) = (land, land, footfall.off);
+        footfall.plant
     } else {
         let (comfortable, slip) = followed(params, physique, state, swing.side, left_over);
         let ankle = ground(comfortable.ankle) + slip;

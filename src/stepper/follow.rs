@@ -7,10 +7,13 @@
 
 use super::rise::Carried;
 use super::{Inputs, Params, Physique, State, Step, StepKind, Style};
-use super::{balance, control, decide, foothold, footing, grip, ground, rise, roll, stand, walk};
+use super::{balance, control, decide, foothold, footing, grip, ground, rise, roll, stand, swing, walk};
 use crate::maths::real;
 use crate::model::{Side, Terrain};
 use glam::DVec3;
+
+/// Share of a swing after which the body's law could not send the foot elsewhere.
+const LATE: f64 = 0.8;
 
 /// What a body is found to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +45,8 @@ impl Params {
             retarget: 1.2 * pace,
             step_width: 1.2 * own.step_width,
             stumble: [0.15 * own.size, 0.05 * own.size],
+            midair: 0.03 * own.size,
+            wide: [0.3 * own.size, 0.5 * own.size],
             most_across: -own.step_gap, // a body's foot goes straight: across, it would go through the other leg
             rolled: 0.8,
             margin: 0.5 * own.margin,
@@ -80,6 +85,7 @@ pub fn follow(
     }
     stand::hold(params, physique, terrain, state, inputs, dt);
     decide::replan(params, physique, terrain, state, dt);
+    give_up(params, state);
     match roll::pressure(params, physique, state, dt) {
         Some(cop) => state.cop = cop,
         None => {
@@ -91,6 +97,16 @@ pub fn follow(
     state.tick += 1;
     state.time = state.tick as f64 * dt;
     landed
+}
+
+/// A step in the air that a shove has put out of reach is left to the body's own law while the foot can still be sent elsewhere.
+fn give_up(params: &Params, state: &mut State) {
+    let Some(swing) = state.swing.filter(|swing| swing.kind == StepKind::Walk) else { return };
+    let shoved = state.shoved < params.tempo;
+    if shoved && swing.off > params.midair && swing::phase(&swing, state.time) < LATE {
+        state.swing = None;
+        state.gait.phase = walk::Phase::Rest;
+    }
 }
 
 /// The body's own law is at work: the plan keeps up with where the body is and waits.

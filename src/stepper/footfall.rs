@@ -54,14 +54,14 @@ pub fn least_swing(params: &Params, state: &State) -> f64 {
     if state.gait.spot { params.least_swing.max(0.33 * params.tempo) } else { params.least_swing }
 }
 
-/// The swing in the air, aimed again: its landing and its time.
-pub fn replan(params: &Params, physique: &Physique, state: &State, swing: &Swing, dt: f64) -> (Plant, f64) {
+/// The swing in the air, aimed again: its landing and when that is.
+pub fn replan(params: &Params, physique: &Physique, state: &State, swing: &Swing, dt: f64) -> (Footfall, f64) {
     let gone = state.time - swing.lift;
     let least = (least_swing(params, state) - gone).max(2.0 * dt);
     let footfall = plan(params, physique, state, swing.side, (0.0, (swing.land - state.time).max(0.0)), (0.0, least));
     let ticks = (footfall.time / dt).ceil().max(1.0);
     let sooner = (swing.land - state.time - ticks * dt).clamp(0.0, 2.0 * dt);
-    (footfall.plant, swing.land - (sooner / dt).round() * dt)
+    (footfall, swing.land - (sooner / dt).round() * dt)
 }
 
 /// The centre of mass when `side` lands: its position (leaning against a force that lasts) and velocity.

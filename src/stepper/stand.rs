@@ -62,6 +62,7 @@ pub fn both_down(params: &Params, physique: &Physique, state: &mut State, inputs
         land: f64::INFINITY,
         from,
         to: from,
+        off: 0.0,
         aim: ground(from.ankle),
         passing: Passing::Own,
         round: state.aside() * side.sign(),

@@ -62,6 +62,8 @@ pub struct Swing {
     pub to: Plant,
     /// m, where it is aimed, before the ground moves it, (x, z).
     pub aim: DVec2,
+    /// m, how far its landing is from where a walk wants it.
+    pub off: f64,
     /// How it passes the stance leg.
     pub passing: Passing,
     /// Unit vector (x, z) to the side of the stance ankle on which it passes.

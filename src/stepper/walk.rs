@@ -140,7 +140,7 @@ pub fn both_down(
     match state.gait.phase {
         Phase::Rest if !go => return (false, None),
         Phase::Rest => {
-            if !begin(params, physique, state) {
+            if !begin(params, physique, state, inputs) {
                 return (false, None);
             }
         }
@@ -162,7 +162,8 @@ pub fn both_down(
     } else {
         let least = ((params.double_support - state.settled).max(0.0), footfall::least_swing(params, state));
         let footfall = footfall::plan(params, physique, state, state.gait.side, (left_over, single), least);
-        if footfall.off > stumble(params, state) {
+        let wide = breadth(params, physique, state, inputs, (state.gait.side, &footfall)) > params.wide[1];
+        if wide || footfall.off > stumble(params, state) {
             state.gait.phase = Phase::Rest;
             return (false, None);
         }
@@ -192,6 +193,20 @@ fn stumble(params: &Params, state: &State) -> f64 {
     params.stumble[usize::from(state.shoved < params.tempo)]
 }
 
+/// m, how far that footfall is to the side of the foot that stands, beyond what a way to the side takes: two steps' worth at once.
+fn breadth(
+    params: &Params,
+    physique: &Physique,
+    state: &State,
+    inputs: &Inputs,
+    (side, footfall): (Side, &footfall::Footfall),
+) -> f64 {
+    let stance = ground(state.feet[side.other() as usize].ankle);
+    let across = inputs.walk.unwrap_or_default().dot(state.aside()).abs();
+    let beside = (ground(footfall.plant.ankle) - stance).dot(state.aside()) * side.sign();
+    beside - 2.0 * across * rhythm_now(params, physique, state).step
+}
+
 /// Is there somewhere to go, or to turn to?
 fn goes(params: &Params, state: &State, inputs: &Inputs) -> bool {
     let least = 0.02 * params.size / params.tempo;
@@ -199,7 +214,7 @@ fn goes(params: &Params, state: &State, inputs: &Inputs) -> bool {
 }
 
 /// Enters the gait: from a stand by shifting the weight, on the move at once.
-fn begin(params: &Params, physique: &Physique, state: &mut State) -> bool {
+fn begin(params: &Params, physique: &Physique, state: &mut State, inputs: &Inputs) -> bool {
     let lean = balance::steady_lean(physique, state);
     let rhythm = rhythm_now(params, physique, state);
     let moving = state.velocity.length() > 0.3 * params.size / params.tempo && state.settled < params.tempo;
@@ -207,11 +222,14 @@ fn begin(params: &Params, physique: &Physique, state: &mut State) -> bool {
     if moving {
         let times = (rhythm.double, rhythm.step - rhythm.double);
         let least = (params.double_support, params.least_swing);
-        let off = |side: Side| footfall::plan(params, physique, state, side, times, least).off;
         let next = state.last.map_or(gait.side, Side::other);
-        let (usual, other) = (off(next), off(next.other()));
-        let side = if usual > other + 0.1 * params.size { next.other() } else { next };
-        if usual.min(other) > stumble(params, state) {
+        let [usual, other] =
+            [next, next.other()].map(|side| (side, footfall::plan(params, physique, state, side, times, least)));
+        let least = usual.1.off.min(other.1.off);
+        let (side, footfall) = if usual.1.off > other.1.off + 0.1 * params.size { other } else { usual };
+        if least > stumble(params, state)
+            || breadth(params, physique, state, inputs, (side, &footfall)) > params.wide[0]
+        {
             return false;
         }
         state.gait.spot = false;
@@ -286,6 +304,7 @@ fn lift(
         land,
         from,
         to,
+        off: 0.0,
         aim,
         passing: Passing::Own,
         round,
