@@ -16,6 +16,10 @@ const LEVEL: f64 = 2.0_f64.to_radians();
 const TEN: f64 = 10.0_f64.to_radians();
 const SLOWER: [f64; 2] = [0.8, 0.6];
 
+/// rad, about either axis: a platform may tilt by as much; m/s: and be walked on as fast.
+const TILTS: f64 = 12.0_f64.to_radians() + 1e-9;
+const ABOARD: f64 = 0.3;
+
 /// What of a scenario the articulated body cannot play yet, for a person; empty where it plays it all.
 pub(super) fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
     let mut parts = Parts::default();
@@ -26,7 +30,8 @@ pub(super) fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
             let fast = scenario.walk.iter().any(|walk| walk.speed > SLOWER[1]);
             parts.add(fast, "[[walk]] at more than 0.6 m/s on uneven ground");
         }
-        _ => elsewhere(scenario, &mut parts),
+        GroundKind::Platform { ref pitch, ref roll } => on_platform(scenario, [pitch, roll], &mut parts),
+        _ => on_edges(scenario, &mut parts),
     }
     let [walks, turns, stands] = [!scenario.walk.is_empty(), !scenario.turn.is_empty(), !scenario.stand.is_empty()];
     let crouches = !scenario.crouch.is_empty();
@@ -77,10 +82,38 @@ fn on_slope(scenario: &Scenario, angle: f64, parts: &mut Parts) {
     }
 }
 
-/// Stairs, gaps, a platform, a mesh.
-fn elsewhere(scenario: &Scenario, parts: &mut Parts) {
-    parts.add(!scenario.walk.is_empty(), "[[walk]] on ground with edges or that moves");
-    parts.add(!scenario.turn.is_empty(), "[[turn]] on ground with edges or that moves");
-    parts.add(!scenario.crouch.is_empty(), "[[crouch]] on ground with edges or that moves");
-    parts.add(!scenario.stand.is_empty(), "[[stand]] on ground with edges or that moves");
+fn on_platform(scenario: &Scenario, tilts: [&[[f64; 2]]; 2], parts: &mut Parts) {
+    let most = tilts.into_iter().flatten().fold(0.0, |most: f64, [_, tilt]| most.max(tilt.abs()));
+    let fast = |walk: &Walk| walk.speed > ABOARD;
+    parts.add(scenario.walk.iter().any(fast), "[[walk]] at more than 0.3 m/s on a platform");
+    if most > TILTS {
+        lanes(scenario, parts, TILTED);
+    }
 }
+
+/// Stairs, gaps, a mesh.
+fn on_edges(scenario: &Scenario, parts: &mut Parts) {
+    lanes(scenario, parts, EDGED);
+}
+
+/// Names every lane that is there.
+fn lanes(scenario: &Scenario, parts: &mut Parts, names: [&'static str; 4]) {
+    let there =
+        [!scenario.walk.is_empty(), !scenario.turn.is_empty(), !scenario.crouch.is_empty(), !scenario.stand.is_empty()];
+    for (is, name) in there.into_iter().zip(names) {
+        parts.add(is, name);
+    }
+}
+
+const EDGED: [&str; 4] = [
+    "[[walk]] on ground with edges",
+    "[[turn]] on ground with edges",
+    "[[crouch]] on ground with edges",
+    "[[stand]] on ground with edges",
+];
+const TILTED: [&str; 4] = [
+    "[[walk]] on a platform that tilts by more than 12 degrees",
+    "[[turn]] on a platform that tilts by more than 12 degrees",
+    "[[crouch]] on a platform that tilts by more than 12 degrees",
+    "[[stand]] on a platform that tilts by more than 12 degrees",
+];

@@ -34,6 +34,16 @@ pub(super) const LEVELS: f64 = 1.4;
 /// the other. As damped as the law's own (0.2) a foot rises 4 cm and sinks to the ground again in mid-swing.
 const DAMPING: [f64; 2] = [0.105, 0.175];
 const STRAIGHT: [f64; 2] = [0.86, 0.96];
+/// m at legs of 0.83 m, at most so much higher goes a guided foot whose toes hang down: where the leg that it leaves with leans forward
+/// by more than the ankle's range.
+pub(super) const CLEARS: f64 = 0.06;
+/// Share of a guided swing in which its leg, straight when it leaves, comes to use no more of its length than one that can be steered.
+const BENDS: f64 = 0.2;
+/// Share of a guided swing up to which a straight leg is steered by its knee, share in which that ends, and how much quicker than in the
+/// law's own swings. By where its foot is to go alone, a straight leg is dragged over the ground for 0.4 of the swing and then thrown
+/// ahead, which lifts the body off its feet.
+const KNEES: [f64; 2] = [0.6, 0.25];
+const QUICKER: f64 = 2.0;
 /// rad at 1 m/s: swing of the arms and twist of the trunk.
 const ARMS: f64 = 0.75;
 const TWIST: f64 = 0.08;
@@ -91,6 +101,21 @@ pub struct Guide {
     pub leaves: Option<Side>,
     /// The foot that swings or is next, and where in its step that is, 0 to 1; its time, s. `None` where nothing alternates.
     pub stride: Option<(Side, f64, f64)>,
+}
+
+/// How much of the height for hanging toes a foot is given, by the share of its swing.
+pub(super) fn aloft(share: f64) -> f64 {
+    smooth3(share / 0.3) * smooth3((1.0 - share) / 0.4)
+}
+
+/// How far a swinging leg has come from straight to one that can be steered, by the share of its swing.
+pub(super) fn bends(share: f64) -> f64 {
+    smooth3(share / BENDS)
+}
+
+/// How much a straight leg is steered by its knee, by the share of its swing, and how much quicker.
+pub(super) fn knees(share: f64) -> [f64; 2] {
+    [smooth3((KNEES[0] - share) / KNEES[1]), QUICKER]
 }
 
 impl Controller {

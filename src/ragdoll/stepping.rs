@@ -164,7 +164,7 @@ impl Controller {
         let goal = stands + slant(figure, terrain, stands);
         // Off the ground before it travels.
         let [rise, arrives] = if self.guided { guide::TRAVELS } else { [self.tuning.rise, ARRIVES] };
-        if !down || passed > rise * swing.time {
+        if !down && !self.guided || passed > rise * swing.time {
             swing.free = true;
         }
         if swing.free {

@@ -1,6 +1,6 @@
 //! What the parts of the body should do, as accelerations, and the corners that can bear. Scenario space, SI.
 
-use super::control::Controller;
+use super::control::{Controller, Swing};
 use super::dynamics::{Acceleration, LegMap, Wrench};
 use super::figure::{Figure, Freedom, Part};
 use super::forces::Corner;
@@ -93,19 +93,12 @@ impl Controller {
                 let spot = terrain.spot(flat(swing.reference.at));
                 let level = DQuat::from_rotation_arc(DVec3::Y, spot.normal) * DQuat::from_rotation_y(swing.yaw);
                 let (level, spin, _) = self.heeds(figure, side, level, tuning.margin[1] - leaning(terrain));
-                // What is lowest of the sole clears the ground as it would if it lay level.
-                let lowest = figure.soles[side as usize]
-                    .iter()
-                    .map(|corner| (level * *corner).dot(spot.normal))
-                    .fold(0.0, f64::min);
-                let under = (-lowest - figure.ankle_height).clamp(0.0, CLEARS * self.size);
-                let [aloft, ..] = swing::lift((self.time - swing.start) / (LANDS * swing.time));
-                let goal = swing.reference.at + DVec3::Y * (figure.ankle_height + under * aloft);
+                let goal = self.swing_goal(figure, &swing, level, spot.normal);
                 // Never so far that the knee would be straight: there a leg cannot be steered.
                 let [hip, knee, ankle] = figure.legs[side as usize];
                 let length = figure.links[knee].anchor.length() + figure.links[ankle].anchor.length();
                 let hip = self.states[hip].origin;
-                let goal = hip + (goal - hip).clamp_length_max(tuning.stretch * length);
+                let goal = hip + (goal - hip).clamp_length_max(self.stretches(&swing) * length);
                 let velocity = self.motion.origin_velocity(foot);
                 let error = short(level * state.turn.inverse());
                 let asked = swing.reference.acceleration
@@ -145,10 +138,28 @@ impl Controller {
         }
     }
 
+    /// m, where the ankle of a swinging foot is to be that is turned so: over its reference, and what is lowest of its sole clears the
+    /// ground as it would if it lay level.
+    fn swing_goal(&self, figure: &Figure, swing: &Swing, turn: DQuat, up: DVec3) -> DVec3 {
+        let corners = figure.soles[swing.side as usize].iter();
+        let lowest = corners.map(|corner| (turn * *corner).dot(up)).fold(0.0, f64::min);
+        let share = (self.time - swing.start) / (LANDS * swing.time);
+        let (aloft, most) =
+            if self.guided { (guide::aloft(share), guide::CLEARS) } else { (swing::lift(share)[0], CLEARS) };
+        let under = (-lowest - figure.ankle_height).clamp(0.0, most * self.size);
+        swing.reference.at + DVec3::Y * (figure.ankle_height + under * aloft)
+    }
+
+    /// Share of its length that a swinging leg may use now.
+    fn stretches(&self, swing: &Swing) -> f64 {
+        let begun = if self.guided { guide::bends((self.time - swing.start) / swing.time) } else { 1.0 };
+        1.0 - (1.0 - self.tuning.stretch) * begun
+    }
+
     /// A swinging leg that is almost straight cannot be steered by where its foot is to go: its knee is bent to the length that
     /// it is to have instead. How much so, and the knee's acceleration, rad/s².
     pub(super) fn bend(&self, figure: &Figure, side: Side) -> Option<(f64, f64)> {
-        let swing = self.swing.filter(|swing| swing.side == side && !self.guided)?;
+        let swing = self.swing.filter(|swing| swing.side == side)?;
         let [hip, knee, ankle] = figure.legs[side as usize];
         let (thigh, shank) = (figure.links[knee].anchor.length(), figure.links[ankle].anchor.length());
         let flexion = |length: f64| {
@@ -157,16 +168,23 @@ impl Controller {
         };
         let whole = thigh + shank;
         let away = self.states[hip].origin.distance(self.states[ankle].origin);
-        let share = smooth3((away / whole - self.tuning.straight) / 0.05);
+        let [early, quicker] =
+            if self.guided { guide::knees((self.time - swing.start) / swing.time) } else { [1.0; 2] };
+        let share = smooth3((away / whole - self.tuning.straight) / 0.05) * early;
         if share <= 0.0 {
             return None;
         }
-        let goal = swing.reference.at + DVec3::Y * figure.ankle_height;
-        let wanted = self.states[hip].origin.distance(goal).min(self.tuning.stretch * whole);
+        let goal = if self.guided {
+            self.swing_goal(figure, &swing, self.states[ankle].turn, DVec3::Y)
+        } else {
+            swing.reference.at + DVec3::Y * figure.ankle_height
+        };
+        let wanted = self.states[hip].origin.distance(goal).min(self.stretches(&swing) * whole);
         let Freedom::Hinge { axis, .. } = figure.links[knee].freedom else { return None };
         let speed = self.motion.relative_spin(figure, knee).dot(self.states[hip].turn * axis);
         let [stiff, damp] = self.tuning.foot;
-        Some((share, ((flexion(wanted) - flexion(away)) * stiff - speed * damp).clamp(-300.0, 300.0)))
+        let wanted = (flexion(wanted) - flexion(away)) * (stiff * quicker) - speed * (damp * quicker.sqrt());
+        Some((share, wanted.clamp(-300.0, 300.0)))
     }
 
     /// All links' accelerations for one of the pelvis; the wrench that they take.

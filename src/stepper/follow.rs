@@ -37,7 +37,7 @@ impl Params {
         let own = Params::new(physique, style);
         let pace = own.size / own.tempo;
         Params {
-            cadence: 152.0,
+            cadence: [110.0, 152.0],
             double: 0.45,
             walk_gain: 0.6,
             roll_ahead: 0.01 * own.size,
@@ -45,6 +45,7 @@ impl Params {
             retarget: 1.2 * pace,
             step_width: 1.2 * own.step_width,
             stumble: [0.15 * own.size, 0.05 * own.size],
+            even: 0.7, // with all of it a body limps: every step makes up for the one before, too much
             midair: 0.03 * own.size,
             wide: [0.3 * own.size, 0.5 * own.size],
             most_across: -own.step_gap, // a body's foot goes straight: across, it would go through the other leg

@@ -175,7 +175,7 @@ fn landing(
         let (height, rise) =
             if level { (state.height().max(0.1), 0.0) } else { (height(state).max(0.1 + gait.rise), gait.rise) };
         let pendulum = (walk::omega(params, physique), height, rise);
-        step.landing(rear, (com, velocity), pendulum, way)
+        evened(params, state, (rear, step.landing(rear, (com, velocity), pendulum, way)), step.stride, way)
     };
     if gait.spot {
         let (ideal, yaw) = turn::around(params, physique, state, side);
@@ -198,6 +198,19 @@ fn landing(
     let plant = Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), yaw);
     let plant = footing::apart(physique, stance, &plant, side, footing::ROOM * params.size);
     Footfall { plant, off, wait, time }
+}
+
+/// What a landing counts for the mean of the last ones.
+pub(super) const REMEMBERS: f64 = 0.25;
+/// m at legs of 0.83 m, at most so much of what makes a step unlike the last ones is taken for unevenness: more is a shove's.
+const UNEVEN: f64 = 0.1;
+
+/// The landing, with less of what makes its step unlike the last ones: what a body does of a plan comes late, and steps that each make up
+/// for the one before in full turn long and short by turns.
+fn evened(params: &Params, state: &State, (rear, ankle): (DVec2, DVec2), stride: DVec2, way: DVec2) -> DVec2 {
+    let most = UNEVEN * params.size;
+    let unlike = (ankle - rear - stride).dot(way) - state.gait.longer;
+    ankle - way * (unlike.clamp(-most, most) * (1.0 - params.even))
 }
 
 /// The nearest landing that legs can do in `fly` s: on the foot's own side, or across in front of the other one

@@ -25,14 +25,18 @@ pub struct Rhythm {
     pub roll: [f64; 2],
 }
 
+/// m/s of the reference body: a walk up to the first is slow, one from the second on is not.
+const SLOW: [f64; 2] = [0.3, 0.7];
+
 /// The rhythm in which people walk at that velocity, m/s (x, z), and turn at that rate, rad/s, where no step is longer
-/// than `longest` m.
+/// than `longest` m; a slow walk takes its time the less the more it is `hurried`, 0 to 1.
 pub fn rhythm(
     params: &Params,
     physique: &Physique,
     ahead: DVec2,
     velocity: DVec2,
     (turn, longest): (f64, f64),
+    hurried: f64,
 ) -> Rhythm {
     let pace = velocity * (params.tempo / params.size); // of the reference body
     let speed = pace.length();
@@ -41,7 +45,10 @@ pub fn rhythm(
     let forward = if along > 0.0 { 0.0065 } else { 0.0050 };
     let ratio = forward * along * along + 0.0018 * across * across; // m per step/min
     let spin = (turn.abs() * params.tempo).min(1.0);
-    let cadence = (60.0 * speed / ratio.max(1e-4)).sqrt().max(params.cadence.max(66.0 + 36.0 * spin));
+    let hurried = ((speed - SLOW[0]) / (SLOW[1] - SLOW[0])).max(spin).max(across.abs()).max(hurried);
+    let quick = hurried.clamp(0.0, 1.0);
+    let least = params.cadence[0] + (params.cadence[1] - params.cadence[0]) * quick;
+    let cadence = (60.0 * speed / ratio.max(1e-4)).sqrt().max(least.max(66.0 + 36.0 * spin));
     let step = (60.0 / cadence).min(longest / params.size / speed.max(1e-9));
     let share = (0.24 - 0.133 * (speed - 1.2)).clamp(0.14, 0.36);
     let travel = speed * step * across.abs() * params.size;

@@ -116,13 +116,14 @@ pub struct Params {
     pub step_width: f64,   // m, between the ankles' lines
     pub step_gap: f64,     // m, between the ankles of feet that pass each other
     pub stumble: [f64; 2], // m, a wanted landing so far out of reach wants a corrective step; the same soon after a shove
+    pub even: f64,         // share that is kept of what makes a step unlike the last ones
     pub midair: f64,       // m, the same of a step in the air soon after a shove
     pub wide: [f64; 2],    // m, steps wider than so are no walk: at its beginning on the move, and on its way
     pub brief: f64,        // s, the swings of the first and the last step are no longer than so
     pub least_swing: f64,  // s, a hasty swing of the gait
     pub transfer: f64,     // share of the rear foot in the pivot of the step that stops
     pub walk_gain: f64,    // of ankle feedback on ξ at touchdown
-    pub cadence: f64,      // 1/min, steps at least, of a walk that does not turn
+    pub cadence: [f64; 2], // 1/min, steps at least, of a slow walk that does not turn and of another (`gait::SLOW`)
     pub double: f64,       // times people's, the share of a step in which both feet carry
     pub rolled: f64,       // times people's, how far the pressure rolls under a foot
     pub roll_ahead: f64,   // m, by which the pressure rolls farther ahead under the feet
@@ -226,6 +227,7 @@ impl Params {
             step_width: (0.10 * size).max(2.0 * physique.half_width + 0.005 * size),
             step_gap: (0.09 * size).max(2.0 * physique.half_width),
             stumble: [dial(1.2, 1.0, 0.65) * size; 2],
+            even: 1.0,
             midair: f64::INFINITY, // a foot of the pendulum's is where it is planned
             wide: [f64::INFINITY; 2],
             least_swing: dial(0.34, 0.28, 0.20) * tempo,
@@ -233,7 +235,7 @@ impl Params {
             brief: 0.45 * tempo,
             transfer: 0.14,
             walk_gain: 0.7,
-            cadence: 66.0,
+            cadence: [66.0; 2],
             double: 1.0,
             rolled: 1.0,
             roll_ahead: 0.0,

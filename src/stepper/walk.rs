@@ -5,7 +5,7 @@
 //! corrective step; then the gait goes on. Scenario space, SI units.
 
 use super::gait::{self, Rhythm};
-use super::pace::Pace;
+use super::pace::{self, Pace};
 use super::support::{Support, Tread};
 use super::{
     Inputs, Params, Physique, State, StepKind, Swing, footfall, footing, grip, ground, rise, roll, swing, turn,
@@ -68,6 +68,8 @@ pub struct Gait {
     pub rise: f64,
     /// The same a metre of the way, as the last step found it.
     pub grade: f64,
+    /// m, by how much steps are longer than planned, in the mean of the last ones.
+    pub longer: f64,
     /// The speed that is held.
     pub pace: Pace,
 }
@@ -95,6 +97,7 @@ impl Gait {
             grip: f64::INFINITY,
             rise: 0.0,
             grade: 0.0,
+            longer: 0.0,
             pace: Pace::default(),
         }
     }
@@ -261,11 +264,15 @@ fn enter(state: &mut State, phase: Phase, side: Side, time: f64) {
         Gait { phase, side, since: state.time, until: state.time + time, from: state.cop, last: false, ..state.gait };
 }
 
+/// m a metre, up or down: on steeper ground, and in turns on the spot, slow steps are no slower than others.
+const GENTLE: f64 = 0.05;
+
 /// The rhythm of the commanded velocity, in whole ticks.
 pub fn rhythm_now(params: &Params, physique: &Physique, state: &State) -> Rhythm {
     let tick = state.gait.tick;
     let bounds = (state.gait.turn, state.gait.longest.min(state.gait.grip));
-    let rhythm = gait::rhythm(params, physique, state.ahead, state.gait.velocity, bounds);
+    let hurried = if state.gait.spot { 1.0 } else { state.gait.grade.abs() / GENTLE };
+    let rhythm = gait::rhythm(params, physique, state.ahead, state.gait.velocity, bounds, hurried);
     let slower = rise::share_of_step(physique, state, rhythm.step);
     let whole = |time: f64| (time * slower / tick).round() * tick;
     let single = whole(rhythm.step - rhythm.double).max(2.0 * tick);
@@ -321,6 +328,10 @@ pub fn landed(params: &Params, physique: &Physique, state: &mut State, side: Sid
         return;
     }
     let rhythm = rhythm_now(params, physique, state);
+    let [stands, landed] = [side.other(), side].map(|side| ground(state.feet[side as usize].ankle));
+    let way = state.gait.velocity.normalize_or(state.ahead);
+    let longer = (landed - stands - pace::aimed(state) * rhythm.step).dot(way);
+    state.gait.longer += footfall::REMEMBERS * (longer - state.gait.longer);
     enter(state, Phase::Double, side.other(), rhythm.double);
     if !params.rolls {
         state.cop = roll::contact(params, state, side);
