@@ -72,9 +72,11 @@ mod hostile;
 mod keys;
 /// Balls, boxes, and how long a recovery takes.
 mod lanes;
-/// Legs of any length.
+/// The articulated body walking, turning and on one foot on slopes and uneven ground, shoved.
 mod led_ground;
+/// The articulated body walking on level ground: steps alike, and shoves of the paper's range.
 mod led_walks;
+/// Legs of any length.
 mod legs;
 /// Slip, sole, joints, ZMP and the rest of the limits, on shoves of every rig.
 mod limits;

@@ -17,8 +17,23 @@ const TEN: f64 = 10.0_f64.to_radians();
 const SLOWER: [f64; 2] = [0.8, 0.6];
 
 /// rad, about either axis: a platform may tilt by as much; m/s: and be walked on as fast.
-const TILTS: f64 = 12.0_f64.to_radians() + 1e-9;
+const TILTS: f64 = 12.0_f64.to_radians();
 const ABOARD: f64 = 0.3;
+/// rad, by which a tilt may be over that for what its degrees were rounded to.
+const ROUNDED: f64 = 1e-9;
+
+const EDGED: [&str; 4] = [
+    "[[walk]] on ground with edges",
+    "[[turn]] on ground with edges",
+    "[[crouch]] on ground with edges",
+    "[[stand]] on ground with edges",
+];
+const TILTED: [&str; 4] = [
+    "[[walk]] on a platform that tilts by more than 12 degrees",
+    "[[turn]] on a platform that tilts by more than 12 degrees",
+    "[[crouch]] on a platform that tilts by more than 12 degrees",
+    "[[stand]] on a platform that tilts by more than 12 degrees",
+];
 
 /// What of a scenario the articulated body cannot play yet, for a person; empty where it plays it all.
 pub(super) fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
@@ -86,7 +101,7 @@ fn on_platform(scenario: &Scenario, tilts: [&[[f64; 2]]; 2], parts: &mut Parts) 
     let most = tilts.into_iter().flatten().fold(0.0, |most: f64, [_, tilt]| most.max(tilt.abs()));
     let fast = |walk: &Walk| walk.speed > ABOARD;
     parts.add(scenario.walk.iter().any(fast), "[[walk]] at more than 0.3 m/s on a platform");
-    if most > TILTS {
+    if most > TILTS + ROUNDED {
         lanes(scenario, parts, TILTED);
     }
 }
@@ -104,16 +119,3 @@ fn lanes(scenario: &Scenario, parts: &mut Parts, names: [&'static str; 4]) {
         parts.add(is, name);
     }
 }
-
-const EDGED: [&str; 4] = [
-    "[[walk]] on ground with edges",
-    "[[turn]] on ground with edges",
-    "[[crouch]] on ground with edges",
-    "[[stand]] on ground with edges",
-];
-const TILTED: [&str; 4] = [
-    "[[walk]] on a platform that tilts by more than 12 degrees",
-    "[[turn]] on a platform that tilts by more than 12 degrees",
-    "[[crouch]] on a platform that tilts by more than 12 degrees",
-    "[[stand]] on a platform that tilts by more than 12 degrees",
-];

@@ -37,6 +37,8 @@ const STRAIGHT: [f64; 2] = [0.86, 0.96];
 /// m at legs of 0.83 m, at most so much higher goes a guided foot whose toes hang down: where the leg that it leaves with leans forward
 /// by more than the ankle's range.
 pub(super) const CLEARS: f64 = 0.06;
+/// Shares of a guided swing in which that height is gained and lost.
+const HANGS: [f64; 2] = [0.3, 0.4];
 /// Share of a guided swing in which its leg, straight when it leaves, comes to use no more of its length than one that can be steered.
 const BENDS: f64 = 0.2;
 /// Share of a guided swing up to which a straight leg is steered by its knee, share in which that ends, and how much quicker than in the
@@ -105,7 +107,7 @@ pub struct Guide {
 
 /// How much of the height for hanging toes a foot is given, by the share of its swing.
 pub(super) fn aloft(share: f64) -> f64 {
-    smooth3(share / 0.3) * smooth3((1.0 - share) / 0.4)
+    smooth3(share / HANGS[0]) * smooth3((1.0 - share) / HANGS[1])
 }
 
 /// How far a swinging leg has come from straight to one that can be steered, by the share of its swing.

@@ -104,9 +104,9 @@ impl Controller {
                 let asked = swing.reference.acceleration
                     + (goal - state.origin) * tuning.foot[0]
                     + (swing.reference.velocity - velocity) * tuning.foot[1];
-                // A foot that could not stop in time would be carried over the one that stands.
                 let levels = if self.guided { guide::LEVELS } else { 1.0 };
                 let [stiff, damp] = [tuning.foot_turn[0] * levels, tuning.foot_turn[1] * levels.sqrt()];
+                // A foot that could not stop in time would be carried over the one that stands.
                 let brakes = if asked.with_y(0.0).dot(velocity) < 0.0 { tuning.brakes } else { 1.0 };
                 Acceleration {
                     linear: asked.clamp_length_max(tuning.foot_most[0] * brakes),

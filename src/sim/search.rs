@@ -2,8 +2,9 @@
 //! taken. Scenario space, SI.
 //!
 //! It decides when a push is felt (not before) and whenever a corrective step begins; only where the body as it is would fall, or would
-//! stand in a way that nobody lets pass, is anything else tried. Who is led is also gone back for after a fall ([`super::retrace`]). It may know the rest of the push: a clip is authored. The draws hang on the
-//! seed and on the tick, the budget is counted in ticks: the same input finds the same, on any machine.
+//! stand in a way that nobody lets pass, is anything else tried. Who is led is also gone back for after a fall ([`super::retrace`]). It may
+//! know the rest of the push: a clip is authored. The draws hang on the seed and on the tick, the budget is counted in ticks: the same input
+//! finds the same, on any machine.
 
 use super::ArticulatedOptions;
 use super::looks::Looks;

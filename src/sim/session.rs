@@ -65,6 +65,7 @@ pub struct Session {
     whole: Physique,
     crouch: Spring,
     embodied: bool,
+    patience: f64,
 }
 
 impl Session {
@@ -83,6 +84,7 @@ impl Session {
             whole: *physique,
             crouch: Spring::default(),
             embodied: false,
+            patience: 1.0,
         };
         session.last = session.record(&Inputs::default());
         session
@@ -103,8 +105,10 @@ impl Session {
 
     /// Gives up sooner or later than usual: times what is usual.
     pub fn be_patient(&mut self, patience: f64) {
-        let Params { stumble, midair, .. } = Params::embodied(&self.physique, &self.style);
-        self.params = Params { stumble: stumble.map(|off| patience * off), midair: patience * midair, ..self.params };
+        if self.patience != patience {
+            self.patience = patience;
+            self.adapt();
+        }
     }
 
     /// One tick in which the body's own law is at work.
@@ -191,7 +195,9 @@ impl Session {
             ..self.whole
         };
         let tuned = if self.embodied { Params::embodied } else { Params::new };
-        self.params = tuned(&self.physique, &self.style);
+        let params = tuned(&self.physique, &self.style);
+        let (stumble, midair) = (params.stumble.map(|off| self.patience * off), self.patience * params.midair);
+        self.params = Params { stumble, midair, ..params };
     }
 
     /// The controller's state.

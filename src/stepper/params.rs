@@ -116,8 +116,8 @@ pub struct Params {
     pub step_width: f64,   // m, between the ankles' lines
     pub step_gap: f64,     // m, between the ankles of feet that pass each other
     pub stumble: [f64; 2], // m, a wanted landing so far out of reach wants a corrective step; the same soon after a shove
-    pub even: f64,         // share that is kept of what makes a step unlike the last ones
     pub midair: f64,       // m, the same of a step in the air soon after a shove
+    pub even: f64,         // share that is kept of what makes a step unlike the last ones
     pub wide: [f64; 2],    // m, steps wider than so are no walk: at its beginning on the move, and on its way
     pub brief: f64,        // s, the swings of the first and the last step are no longer than so
     pub least_swing: f64,  // s, a hasty swing of the gait
@@ -227,11 +227,10 @@ impl Params {
             step_width: (0.10 * size).max(2.0 * physique.half_width + 0.005 * size),
             step_gap: (0.09 * size).max(2.0 * physique.half_width),
             stumble: [dial(1.2, 1.0, 0.65) * size; 2],
-            even: 1.0,
             midair: f64::INFINITY, // a foot of the pendulum's is where it is planned
+            even: 1.0,
             wide: [f64::INFINITY; 2],
             least_swing: dial(0.34, 0.28, 0.20) * tempo,
-
             brief: 0.45 * tempo,
             transfer: 0.14,
             walk_gain: 0.7,
