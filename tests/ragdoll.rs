@@ -196,12 +196,12 @@ fn what_it_cannot_play_is_named_and_never_left_out() {
     let drive = Drive::Ragdoll(Helped::Within(Assist::default()));
     let scenario = "title = 'x'\nduration = 3.0\n";
     for (lane, named) in [
-        ("[ground]\nkind = 'slope'\nangle = 9\n[[stand]]\nstart = 0.5\non = 'left'", "[[stand]] on a slope"),
-        ("[ground]\nkind = 'slope'\nangle = -9\n[[turn]]\nstart = 0.5\nfacing = 90", "[[turn]] on a slope"),
-        ("[ground]\nkind = 'slope'\nangle = 9\n[[walk]]\nstart = 0.5\nspeed = 0.4", "[[walk]] up a slope"),
-        ("[ground]\nkind = 'slope'\nangle = 9\n[[walk]]\nstart = 0.5\nspeed = 0.4\nheading = 90", "[[walk]] across"),
+        ("[ground]\nkind = 'slope'\nangle = 16\n[[stand]]\nstart = 0.5\non = 'left'", "[[stand]] on a slope"),
+        ("[ground]\nkind = 'slope'\nangle = -13\n[[turn]]\nstart = 0.5\nfacing = 90", "[[turn]] on a slope"),
+        ("[ground]\nkind = 'slope'\nangle = 13\n[[walk]]\nstart = 0.5\nspeed = 0.4", "[[walk]] up a slope"),
+        ("[ground]\nkind = 'slope'\nangle = 13\n[[walk]]\nstart = 0.5\nspeed = 0.4\nheading = 90", "[[walk]] across"),
         (
-            "[ground]\nkind = 'slope'\nangle = -5\n[[walk]]\nstart = 0.5\nspeed = 0.4\nfacing = 180",
+            "[ground]\nkind = 'slope'\nangle = -9\n[[walk]]\nstart = 0.5\nspeed = 0.2\nfacing = 180",
             "[[walk]] backwards",
         ),
         ("[ground]\nkind = 'slope'\nangle = -5\n[[walk]]\nstart = 0.5\nspeed = 0.9", "0.8 m/s on a slope"),

@@ -6,8 +6,12 @@ use crate::sim::FASTEST;
 
 /// Share of the leg: deeper, balance wants steps of which the law has no plan.
 const LOWEST: f64 = 0.2;
-/// rad: slopes are walked up and across to here; on steeper ones the stand, the turn and the crouch are not kept either.
-const STEEP: f64 = 8.0_f64.to_radians();
+/// rad: slopes are walked up and across, and turned on, to here.
+const STEEP: f64 = 12.0_f64.to_radians();
+/// rad: to here one stands on one foot and crouches.
+const STEEPER: f64 = 15.0_f64.to_radians();
+/// rad: and walks backwards and sideways to here, m/s: no faster than so.
+const ASIDE: (f64, f64) = (8.0_f64.to_radians(), 0.3);
 /// rad: and down to here.
 const STEEPEST: f64 = 25.0_f64.to_radians();
 /// rad: less is as good as level.
@@ -75,13 +79,19 @@ fn on_slope(scenario: &Scenario, angle: f64, parts: &mut Parts) {
     let walks = |cannot: &dyn Fn(&Walk) -> bool| scenario.walk.iter().any(|walk| walk.speed > 0.0 && cannot(walk));
     let up = |walk: &Walk| rises * real::cos(walk.heading);
     let aside = |walk: &Walk| real::cos(walk.facing.unwrap_or(walk.heading) - walk.heading) < 0.7;
-    parts.add(walks(&|walk| up(walk) > real::tan(STEEP)), "[[walk]] up a slope of more than 8 degrees");
+    parts.add(walks(&|walk| up(walk) > real::tan(STEEP)), "[[walk]] up a slope of more than 12 degrees");
     parts.add(walks(&|walk| up(walk) < -real::tan(STEEPEST)), "[[walk]] down a slope of more than 25 degrees");
     parts.add(
         walks(&|walk| (rises * real::sin(walk.heading)).abs() > real::tan(STEEP)),
-        "[[walk]] across a slope of more than 8 degrees",
+        "[[walk]] across a slope of more than 12 degrees",
     );
-    parts.add(angle.abs() > LEVEL && walks(&aside), "[[walk]] backwards or sideways on a slope");
+    if angle.abs() > LEVEL {
+        let beyond = |walk: &Walk| aside(walk) && (angle.abs() > ASIDE.0 || walk.speed > ASIDE.1);
+        parts.add(
+            walks(&beyond),
+            "[[walk]] backwards or sideways on a slope of more than 8 degrees or at more than 0.3 m/s",
+        );
+    }
     if angle.abs() > TEN {
         parts.add(
             walks(&|walk| walk.speed > SLOWER[1]),
@@ -90,10 +100,10 @@ fn on_slope(scenario: &Scenario, angle: f64, parts: &mut Parts) {
     } else if angle.abs() > LEVEL {
         parts.add(walks(&|walk| walk.speed > SLOWER[0]), "[[walk]] at more than 0.8 m/s on a slope");
     }
-    if angle.abs() > STEEP {
-        parts.add(!scenario.turn.is_empty(), "[[turn]] on a slope of more than 8 degrees");
-        parts.add(!scenario.crouch.is_empty(), "[[crouch]] on a slope of more than 8 degrees");
-        parts.add(!scenario.stand.is_empty(), "[[stand]] on a slope of more than 8 degrees");
+    parts.add(angle.abs() > STEEP && !scenario.turn.is_empty(), "[[turn]] on a slope of more than 12 degrees");
+    if angle.abs() > STEEPER {
+        parts.add(!scenario.crouch.is_empty(), "[[crouch]] on a slope of more than 15 degrees");
+        parts.add(!scenario.stand.is_empty(), "[[stand]] on a slope of more than 15 degrees");
     }
 }
 

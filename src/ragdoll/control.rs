@@ -10,6 +10,7 @@ use super::forces::{Corner, Forces, Wanted};
 use super::guide::{self, Guide};
 use super::joints::pelvis;
 use super::reach::Sole;
+use super::slope;
 use super::swing::Reference;
 use super::toes;
 use super::tuning::Tuning;
@@ -132,13 +133,17 @@ pub struct Controller {
     /// m/s, what of its speed corrective steps are to keep, (x, z).
     pub going: DVec2,
     pub(super) guided: bool, // the swing under way is the guide's
+    pub(super) uphill: f64,  // how much the ground rises before it in a metre, as its trunk heeds it
+    pub(super) leans: f64,   // rad, how far the trunk is to lean forwards
 }
 
 impl Controller {
-    /// Counts heights from the floor (m) that the figure stands on, not from y = 0.
-    pub fn stands_at(&mut self, floor: f64) {
+    /// Counts heights from the ground under the feet, not from y = 0, and leans as that ground asks for.
+    pub fn stands_on(&mut self, figure: &Figure, terrain: &Terrain) {
+        let floor = self.floor(figure, terrain);
         self.stand_height -= floor;
         self.pelvis_height -= floor;
+        self.uphill = self.faces_up(terrain);
     }
 
     /// For a figure that stands.
@@ -166,6 +171,8 @@ impl Controller {
             lower: 0.0,
             going: DVec2::ZERO,
             guided: false,
+            uphill: 0.0,
+            leans: 0.0,
             aimed: states[0].origin.y,
             heading: yaw_of(states[0].turn),
             facing: yaw_of(states[0].turn),
@@ -209,6 +216,11 @@ impl Controller {
     pub(super) fn sole_middle(&self, figure: &Figure, side: Side) -> DVec2 {
         let (ankle, yaw) = self.foot(figure, side);
         flat(ankle) - self.slants[side as usize] + self.ahead(yaw)
+    }
+
+    /// (x, z) of `far` m ahead of where it faces.
+    fn ahead_by(&self, far: f64) -> DVec2 {
+        DVec2::new(real::sin(self.heading), real::cos(self.heading)) * far
     }
 
     /// m, from the ankle to where a foot bears best.
@@ -275,12 +287,12 @@ impl Controller {
     }
 
     /// m, where the pressure would be best, and where it is to be: under the soles, and past them by what the upper body's moment makes up.
-    fn pressure(&mut self, figure: &Figure, xi: DVec2) -> (DVec2, DVec2) {
+    fn pressure(&mut self, figure: &Figure, terrain: &Terrain, xi: DVec2) -> (DVec2, DVec2) {
         let tuning = self.tuning;
         let mass = self.motion.mass;
         let moving = self.swing.is_some();
         let hull = self.bearing_hull(figure);
-        let middle = self.support_middle(figure);
+        let middle = self.support_middle(figure) - self.ahead_by(slope::back(self.faces_up(terrain)) * self.size);
         let fast = (flat(self.motion.velocity).length() / self.size.sqrt() - 0.8).clamp(0.0, 1.0);
         if self.swing.is_some_and(|swing| !swing.comfort) || signed_distance(&hull, xi) > -0.02 * self.size {
             self.alarmed = self.time;
@@ -326,11 +338,12 @@ impl Controller {
     ) {
         let tuning = self.tuning;
         let mass = self.motion.mass;
-        let (goal, cop) = self.pressure(figure, xi);
+        let (goal, cop) = self.pressure(figure, terrain, xi);
         let linear = self.carried(figure, terrain, cop, height, floor, dt);
         // Pelvis and trunk upright, towards the heading.
         self.face();
-        let facing = DQuat::from_rotation_y(self.heading) * self.bowed(figure, terrain);
+        self.bow(figure, terrain, dt);
+        let facing = DQuat::from_rotation_y(self.heading) * self.bowed();
         let turn = |link: usize, wanted: DQuat, gains: [f64; 2], most: f64| {
             let error = short(wanted * self.states[link].turn.inverse());
             (error * gains[0] - self.states[link].spin * gains[1]).clamp_length_max(most)

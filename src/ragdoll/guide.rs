@@ -12,7 +12,7 @@ use crate::maths::curve::smooth3;
 use crate::maths::quat::wrap_angle;
 use crate::maths::real;
 use crate::model::{Side, Terrain};
-use glam::{DQuat, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 
 /// Feet come down before their time by this much of it: what swings reaches the ground before its path ends there.
 const LATER: f64 = 1.08;
@@ -22,7 +22,7 @@ pub(super) const MOMENTUM: f64 = 1.1;
 pub(super) const UPRIGHT: [f64; 2] = [0.14, 2.9];
 /// Share of a leg's length that it is to use under a guide; and where the way goes up by `UPHILL` or more a metre: a bent knee leans
 /// the shank forward, and uphill the ankle has no range left for it.
-const LEGS: [f64; 2] = [0.947, 0.985];
+const LEGS: [f64; 2] = [0.947, 0.995];
 /// The same of the leg that carries while the other swings: with less, walks at 1.0 m/s and faster limp.
 const CARRIES: f64 = 0.97;
 const UPHILL: f64 = 0.17;
@@ -59,13 +59,6 @@ const HASTE: f64 = 0.25;
 /// Share of its speed that corrective steps of who is going somewhere keep; s at legs of 0.83 m, how long such a step takes.
 const KEEPS: f64 = 0.5;
 const STEPS: f64 = 0.28;
-
-/// rad by which the trunk leans for each share of the leg by which the pelvis is lower.
-const LEANS: f64 = 2.0;
-/// rad by which it leans in where the way goes up by a metre a metre, and the steepest way that it does so for: the pelvis then stays
-/// behind, and the shanks are more upright. With none, two of six walks up 8 degrees go backwards.
-const LEANS_IN: f64 = 1.5;
-const STEEPEST: f64 = 0.5;
 
 /// A step that is wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -224,13 +217,6 @@ impl Controller {
         let share = self.states[hip].origin.distance(self.states[ankle].origin) / length;
         let straight = smooth3((share - STRAIGHT[0]) / (STRAIGHT[1] - STRAIGHT[0]));
         DAMPING[0] + (DAMPING[1] - DAMPING[0]) * straight
-    }
-
-    /// The turn by which who holds his pelvis low, or goes uphill, leans his trunk, so that it stays over his feet.
-    pub(super) fn bowed(&self, figure: &Figure, terrain: &Terrain) -> DQuat {
-        let uphill = LEANS_IN * self.uphill(terrain).clamp(0.0, STEEPEST);
-        let lean = LEANS * self.lower / figure.leg_length + uphill;
-        if lean == 0.0 { DQuat::IDENTITY } else { DQuat::from_rotation_x(lean) }
     }
 
     /// rad, where a swinging foot is to point when it lands.

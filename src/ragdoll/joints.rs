@@ -24,6 +24,7 @@ impl Controller {
             let link = &figure.links[index];
             let parent = link.parent.unwrap_or(0);
             let [angle, rate, quickens] = self.against_stride(figure, index);
+            let angle = angle + self.hangs(link);
             let axis = if index == figure.trunk { DVec3::Y } else { DVec3::X };
             let swung = DQuat::from_axis_angle(axis, angle) * self.posture[index];
             let wanted = self.states[parent].turn * if angle == 0.0 { self.posture[index] } else { swung };

@@ -14,6 +14,7 @@ mod linear;
 pub mod plan;
 mod ranges;
 mod reach;
+pub mod slope;
 mod sole;
 mod stepping;
 mod swing;

@@ -6,6 +6,7 @@ use super::figure::{Figure, Freedom, Part};
 use super::forces::Corner;
 use super::guide;
 use super::ranges::leaning;
+use super::slope;
 use super::sole::POINTS;
 use super::swing::{self, LANDS};
 use super::{flat, short};
@@ -16,7 +17,7 @@ use crate::model::{Side, Terrain};
 use glam::{DQuat, DVec2, DVec3};
 
 /// Share of a leg's length by which it is shortened on ground that leans by a right angle.
-const STEEP: f64 = 0.6;
+const STEEP: f64 = 0.3;
 /// m at legs of 0.83 m, at most so much higher goes a swinging foot whose ankle does not let its sole lie level: an edge of it would catch
 /// on the ground. Twice as much loses recoveries of bodies with large feet.
 const CLEARS: f64 = 0.015;
@@ -49,6 +50,7 @@ impl Controller {
         let floor = self.guide.map_or(floor, |guide| guide.floor);
         let mut height = self.pelvis_height + floor - self.tuning.crouch * self.size - self.lower;
         // On steep ground the knees are bent beforehand: a step down it must find ground.
+        let uphill = self.faces_up(terrain);
         let crouch = STEEP * (1.0 - terrain.spot(flat(pelvis.origin)).normal.y);
         for side in Side::BOTH {
             let [hip, knee, ankle] = figure.legs[side as usize];
@@ -72,7 +74,9 @@ impl Controller {
                     // Who is at ease stands as in the stand, almost straight.
                     let ease = ((self.time - self.alarmed) / self.size.sqrt() - 0.5).clamp(0.0, 1.0);
                     let alarmed = if self.swing.is_some() { carries } else { self.tuning.reach[0] };
-                    (self.states[ankle].origin, alarmed + (self.tuning.at_ease - alarmed).max(0.0) * ease - crouch)
+                    let used = alarmed + (self.tuning.at_ease - alarmed).max(0.0) * ease - crouch;
+                    let used = if self.swing.is_none() { slope::straightened(used, uphill) } else { used };
+                    (self.states[ankle].origin, used)
                 }
             };
             let away = (flat(hip_at) - flat(foot)).length();

@@ -15,7 +15,7 @@ use crate::measure::KnownPush;
 use crate::model::scenario::GroundKind;
 use crate::model::{Body, BodyPose, Load, Physique, Plant, Role, Side, Terrain};
 use crate::ragdoll::control::Assist;
-use crate::ragdoll::{Figure, Locks};
+use crate::ragdoll::{Figure, Locks, slope};
 use crate::stepper::{Inputs, Style};
 use crate::whole_body::reaction::Personality;
 use crate::whole_body::solve::{Hold, PoseTarget};
@@ -256,5 +256,31 @@ fn on_ground(
         GroundKind::Mesh { .. } => level.com + DVec3::Y * base,
         _ => DVec3::Y * (physique.com_height + base),
     };
+    let normals = plants.map(|plant| ground.spot(DVec2::new(plant.ankle.x, plant.ankle.z)).normal);
+    uphill(body, anatomy, (normals[0] + normals[1]).normalize_or(DVec3::Y), &mut target);
     Some(Solver::new(body, anatomy).solve(&target).pose)
+}
+
+/// Shares of a leg's length that a stand uses on level ground ([`stand::natural_stand`]) and where the ground rises steeply.
+const STRETCHED: [f64; 2] = [0.992, 0.995];
+
+/// Leans a stand on ground with that unit normal as the law does, at the height at which its legs are as straight as they are to be.
+fn uphill(body: &Body, anatomy: &Anatomy, normal: DVec3, target: &mut PoseTarget) {
+    let rise = slope::rise(normal, 0.0);
+    if rise <= 0.0 {
+        return;
+    }
+    let lean = DQuat::from_rotation_x(slope::lean(rise));
+    (target.pelvis, target.chest) = (target.pelvis * lean, target.chest * lean);
+    let leg = anatomy.legs.each_ref().map(|leg| leg.length());
+    target.com.z -= slope::back(rise) * leg[0] / Physique::REFERENCE.leg_length;
+    let stretch = STRETCHED[0] + slope::straightened(0.0, rise) * (STRETCHED[1] - STRETCHED[0]);
+    let mut solver = Solver::new(body, anatomy);
+    let (mut low, mut high) = (0.7 * target.com.y, 1.05 * target.com.y);
+    for _ in 0..30 {
+        target.com.y = 0.5 * (low + high);
+        let hips = solver.solve(target).hips;
+        let used = [0, 1].map(|side: usize| hips[side].distance(target.feet[side].ankle) / leg[side]);
+        if used[0].max(used[1]) > stretch { high = target.com.y } else { low = target.com.y }
+    }
 }

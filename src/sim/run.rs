@@ -114,7 +114,7 @@ impl Run {
         let world = World::new(figure, &figure.placed(course.body, standing), course.terrain, options.dt, PARTS)
             .map_err(|error| BrokenBody { time: 0.0, what: error.to_string() })?;
         let mut control = Controller::new(figure, &world, tuning_of(&options.personality));
-        control.stands_at(course.terrain.spot(DVec2::ZERO).height);
+        control.stands_on(figure, course.terrain);
         let act = |(push, turns): &(KnownPush, bool)| SessionPush {
             start: push.start,
             duration: push.end - push.start,
