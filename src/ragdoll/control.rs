@@ -133,7 +133,7 @@ pub struct Controller {
     /// m/s, what of its speed corrective steps are to keep, (x, z).
     pub going: DVec2,
     pub(super) guided: bool, // the swing under way is the guide's
-    pub(super) uphill: f64,  // how much the ground rises before it in a metre, as its trunk heeds it
+    pub(super) uphill: f64,  // rad, how far the trunk leans for ground that rises before it
     pub(super) leans: f64,   // rad, how far the trunk is to lean forwards
 }
 
@@ -143,7 +143,7 @@ impl Controller {
         let floor = self.floor(figure, terrain);
         self.stand_height -= floor;
         self.pelvis_height -= floor;
-        self.uphill = self.faces_up(terrain);
+        self.uphill = slope::lean(self.faces_up(terrain));
     }
 
     /// For a figure that stands.
@@ -292,7 +292,9 @@ impl Controller {
         let mass = self.motion.mass;
         let moving = self.swing.is_some();
         let hull = self.bearing_hull(figure);
-        let middle = self.support_middle(figure) - self.ahead_by(slope::back(self.faces_up(terrain)) * self.size);
+        let [heel, .., tip, _] = figure.soles[0];
+        let back = slope::back(self.faces_up(terrain)) * heel.distance(tip);
+        let middle = self.support_middle(figure) - self.ahead_by(back);
         let fast = (flat(self.motion.velocity).length() / self.size.sqrt() - 0.8).clamp(0.0, 1.0);
         if self.swing.is_some_and(|swing| !swing.comfort) || signed_distance(&hull, xi) > -0.02 * self.size {
             self.alarmed = self.time;

@@ -261,8 +261,8 @@ fn on_ground(
     Some(Solver::new(body, anatomy).solve(&target).pose)
 }
 
-/// Shares of a leg's length that a stand uses on level ground ([`stand::natural_stand`]) and where the ground rises steeply.
-const STRETCHED: [f64; 2] = [0.992, 0.995];
+/// Share of a leg's length that a stand uses, as on level ground ([`stand::physique`]).
+const STRETCHED: f64 = 0.992;
 
 /// Leans a stand on ground with that unit normal as the law does, at the height at which its legs are as straight as they are to be.
 fn uphill(body: &Body, anatomy: &Anatomy, normal: DVec3, target: &mut PoseTarget) {
@@ -273,14 +273,14 @@ fn uphill(body: &Body, anatomy: &Anatomy, normal: DVec3, target: &mut PoseTarget
     let lean = DQuat::from_rotation_x(slope::lean(rise));
     (target.pelvis, target.chest) = (target.pelvis * lean, target.chest * lean);
     let leg = anatomy.legs.each_ref().map(|leg| leg.length());
-    target.com.z -= slope::back(rise) * leg[0] / Physique::REFERENCE.leg_length;
-    let stretch = STRETCHED[0] + slope::straightened(0.0, rise) * (STRETCHED[1] - STRETCHED[0]);
+    let sole = &body.feet[0];
+    target.com.z -= slope::back(rise) * (sole.foremost() - sole.heel);
     let mut solver = Solver::new(body, anatomy);
     let (mut low, mut high) = (0.7 * target.com.y, 1.05 * target.com.y);
     for _ in 0..30 {
         target.com.y = 0.5 * (low + high);
         let hips = solver.solve(target).hips;
         let used = [0, 1].map(|side: usize| hips[side].distance(target.feet[side].ankle) / leg[side]);
-        if used[0].max(used[1]) > stretch { high = target.com.y } else { low = target.com.y }
+        if used[0].max(used[1]) > STRETCHED { high = target.com.y } else { low = target.com.y }
     }
 }
