@@ -122,6 +122,10 @@ mod rig_variants;
 mod rigs;
 /// The schemas of clips and audits: the keys that are written, and no others.
 mod schemas;
+/// The paper's seven cases by both drives, and step lengths on slopes.
+mod seven;
+/// Their scenarios and what is measured; `benches/seven_cases.rs` prints and draws all.
+mod seven_grid;
 /// The program at a shell of the test's own.
 mod shell;
 /// Soles in plan: apart and uncrossed.

@@ -170,8 +170,9 @@ fn landing(
     } else {
         let step = pivot(params, physique, state, rhythm, side, wait + time);
         let way = turn::rotated(gait.velocity, amid).normalize_or(ahead);
-        // treads decide where on stairs: there the wanted landing is that of the line along the footholds
-        let level = gait.longest.is_finite();
+        // treads decide where on stairs: there the wanted landing is that of the line along the footholds; legs that keep their length
+        // carry the body along that line everywhere
+        let level = gait.longest.is_finite() || !params.leg_change;
         let (height, rise) =
             if level { (state.height().max(0.1), 0.0) } else { (height(state).max(0.1 + gait.rise), gait.rise) };
         let pendulum = (walk::omega(params, physique), height, rise);

@@ -1,132 +1,122 @@
-//! The paper's seven cases as one figure: speed over time on the flat, up and down a slope, under impulses, push and pull,
-//! of the whole controller and of the bare pendulum.
+//! The paper's seven cases: speed over time on the flat, up and down slopes, under impulses, push and pull; by the kinematic drive and by
+//! the articulated body's torques, the whole controller and the bare pendulum.
 //!
-//! `cargo bench --bench seven_cases -- FILE.svg` writes it and prints the speed errors (to hold: 5 % steady, back within
-//! 2 s of an impulse). The reference body, 1.2 m/s unless the case says otherwise.
+//! `cargo bench --bench seven_cases` prints for five bodies how far each clip's steady speed is from the commanded one (to hold: 5 %, back
+//! within 2 s of an impulse), what the body refuses, and the step lengths on slopes beside equation 2's.
+//! With `-- FOLDER` it writes the figure there, seven.svg by the kinematic drive and seven_body.svg by torques, of the built-in rig;
+//! with `-- WORD` only cases, drives or bodies whose name holds that word are printed.
 
 #![expect(clippy::print_stdout, reason = "the table")]
 
-use glam::DVec3;
-use std::path::PathBuf;
-use surefoot::model::scenario::{Ground, GroundKind, Stepper, Walk};
-use surefoot::model::{Physique, Terrain};
+#[path = "../data.rs"]
+#[expect(dead_code, reason = "a bench wants the place alone")]
+mod data;
+#[path = "../seven_grid.rs"]
+mod seven_grid;
+
+use rayon::prelude::*;
+use seven_grid::{BARE, Case, Walked, bodies, body, seven, walked};
+use std::path::{Path, PathBuf};
+use surefoot::bake::Drive;
 use surefoot::picture::plot::{Colour, Line, Panel, Plot, svg};
-use surefoot::sim::{Script, SessionPush, SimulateOptions, Trace, simulate};
-use surefoot::stepper::Style;
 
-/// m/s.
+/// m/s, of the cases that do not change it.
 const SPEED: f64 = 1.2;
-/// s.
-const LENGTH: f64 = 12.0;
-
-struct Case {
-    name: &'static str,
-    script: Script,
-    /// (from, to) s in which it disturbs.
-    disturbed: Option<(f64, f64)>,
-}
+/// N, of impulses and of forces that last.
+const FORCES: [f64; 2] = [100.0, 60.0];
+/// Degrees and m/s, up and down: the paper's, and what the articulated body plays.
+const SLOPES: [[(f64, f64); 2]; 2] = [[(15.0, 1.2), (15.0, 1.2)], [(8.0, 0.7), (15.0, 0.5)]];
+const VARIANTS: [(&str, &str); 2] = [("whole", ""), ("bare", BARE)];
 
 fn main() {
-    let file = std::env::args().skip(1).find(|word| word.ends_with(".svg")).map(PathBuf::from);
-    let bare = Style {
-        variant: Stepper { ankle_feedback: false, leg_change: false, ..Stepper::default() },
-        ..Style::default()
-    };
-    let mut panels = Vec::new();
-    println!("{:<34} {:>22} {:>22}", "steady error; back within 10 %", "whole controller", "bare pendulum");
-    for case in cases() {
-        let runs = [Style::default(), bare].map(|style| run(&case.script, style));
-        let told = runs.each_ref().map(|trace| told(&case, trace));
-        println!("{:<34} {:>22} {:>22}", case.name, told[0], told[1]);
-        let line = |name: &str, colour, trace: &Trace| Line {
-            name: name.into(),
-            colour,
-            dashed: false,
-            points: trace.ticks.iter().enumerate().map(|(i, tick)| (i as f64 * trace.dt, tick.velocity.z)).collect(),
-        };
-        let commanded = (0..=(LENGTH * 20.0) as usize).map(|i| {
-            let time = i as f64 / 20.0;
-            (time, case.script.intent(time).walk.map_or(0.0, |walk| walk.y))
-        });
-        panels.push(Panel {
-            label: case.name.into(),
-            lines: vec![
-                line("bare pendulum", Colour::Orange, &runs[1]),
-                line("whole", Colour::Blue, &runs[0]),
-                Line { name: "commanded".into(), colour: Colour::Grey, dashed: true, points: commanded.collect() },
-            ],
-            band: Vec::new(),
-            marks: case.disturbed.into_iter().collect(),
-        });
-    }
-    let plot = Plot {
-        title: "Speed held in the paper's seven cases, m/s over s".into(),
-        duration: LENGTH,
-        panels,
-        rows: Vec::new(),
-        columns: 2,
-    };
-    if let Some(file) = file {
-        std::fs::write(&file, svg(&plot)).expect("a place for the figure");
-        println!("wrote {}", file.display());
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
+    let (folders, words): (Vec<String>, Vec<String>) = words.into_iter().partition(|word| Path::new(word).is_dir());
+    let folder = folders.first().map(PathBuf::from);
+    let cases = cases();
+    let drives = [("kinematic", Drive::Stepper), ("torques", body())];
+    for (index, (name, rig, legs)) in
+        bodies(Some(data::place()).filter(|place| place.join("rigs").is_dir())).into_iter().enumerate()
+    {
+        for (drive_name, drive) in drives {
+            let chosen = |case: &&Case| {
+                words.iter().all(|word| [case.name.as_str(), drive_name, &name].iter().any(|text| text.contains(word)))
+            };
+            let chosen: Vec<&Case> = cases.iter().filter(chosen).collect();
+            let runs: Vec<[Result<Walked, String>; 2]> = chosen
+                .par_iter()
+                .map(|case| VARIANTS.map(|(_, more)| walked(&rig, legs, case, drive, more, 7)))
+                .collect();
+            for (case, runs) in chosen.iter().zip(&runs) {
+                let [whole, bare] = runs.each_ref().map(told);
+                println!("{name:<30} {drive_name:<10} {:<34} {whole:<52} bare: {bare}", case.name);
+            }
+            if let Some(folder) = folder.as_ref().filter(|_| index == 0 && words.is_empty()) {
+                let file = folder.join(if drive == Drive::Stepper { "seven.svg" } else { "seven_body.svg" });
+                std::fs::write(&file, drawn(&cases, &runs, drive_name)).expect("a place for the figure");
+                println!("wrote {}", file.display());
+            }
+        }
     }
 }
 
+/// The paper's seven, slopes that the body plays too, and the flat at their speeds, which equation 2 wants to compare.
 fn cases() -> Vec<Case> {
-    let walk = |start: f64, speed: f64| Walk { start, duration: None, speed, heading: 0.0, facing: None };
-    let script = |walks: Vec<Walk>, pushes: &[SessionPush]| Script { walk: walks, ..Script::standing(pushes) };
-    let steady = || vec![walk(0.2, SPEED)];
-    let slope = |degrees: f64| {
-        Terrain::new(&Ground { kind: GroundKind::Slope { angle: degrees.to_radians() }, ..Ground::default() })
-    };
-    let force = |start: f64, duration: f64, newtons: f64| SessionPush {
-        start,
-        duration,
-        force: DVec3::new(0.0, 0.0, newtons),
-        turns: false,
-        arm: 0.0,
-    };
-    let case = |name, script, disturbed| Case { name, script, disturbed };
-    let changing = vec![walk(0.2, 0.6), walk(3.0, 1.4), walk(5.5, 0.9), walk(7.5, 1.2)];
-    vec![
-        case("(a) changing speed", script(changing, &[]), None),
-        case("(b) 15 degrees up", Script { terrain: slope(15.0), ..script(steady(), &[]) }, None),
-        case("(c) 15 degrees down", Script { terrain: slope(-15.0), ..script(steady(), &[]) }, None),
-        case("(d) 100 N, 0.2 s from behind", script(steady(), &[force(6.0, 0.2, 100.0)]), Some((6.0, 6.2))),
-        case("(e) 100 N, 0.2 s from the front", script(steady(), &[force(6.0, 0.2, -100.0)]), Some((6.0, 6.2))),
-        case("(f) 60 N push that lasts", script(steady(), &[force(5.0, 7.0, 60.0)]), Some((5.0, 12.0))),
-        case("(g) 60 N pull that lasts", script(steady(), &[force(5.0, 7.0, -60.0)]), Some((5.0, 12.0))),
-    ]
+    let [paper, milder] = SLOPES.map(|slopes| seven(SPEED, slopes, FORCES));
+    let milder = milder.into_iter().filter(|case| case.slope != 0.0);
+    let flat = [0.5, 0.7, SPEED].map(|speed| Case::level(&format!("flat at {speed:.1} m/s"), speed));
+    paper.into_iter().chain(milder).chain(flat).collect()
 }
 
-fn run(script: &Script, style: Style) -> Trace {
-    let options = SimulateOptions { duration: LENGTH, extra: 0.0, style, ..SimulateOptions::default() };
-    simulate(&Physique::REFERENCE, script, &options)
-}
-
-/// Steady error over the last whole strides, and how long after the disturbance began the speed was back for good.
-fn told(case: &Case, trace: &Trace) -> String {
-    if let Some(time) = trace.lost {
+fn told(run: &Result<Walked, String>) -> String {
+    let run = match run {
+        Ok(run) => run,
+        Err(why) => return format!("refused: {why}"),
+    };
+    if let Some(time) = run.fell {
         return format!("fell at {time:.1} s");
     }
-    let wanted = case.script.intent(LENGTH - 0.1).walk.map_or(0.0, |walk| walk.y);
-    let lands: Vec<f64> = trace.steps.iter().map(|step| step.land).filter(|land| *land > 9.5).collect();
-    let strides = lands.len().saturating_sub(1) / 2 * 2;
-    let at = |time: f64| trace.ticks[(time / trace.dt).round() as usize].com.z;
-    if strides == 0 {
-        return "no stride".into();
-    }
-    let error = (at(lands[strides]) - at(lands[0])) / (lands[strides] - lands[0]) / wanted - 1.0;
-    let back = case.disturbed.map(|(from, _)| {
-        let span = (0.57 / trace.dt) as usize; // about a step
-        let first = (from / trace.dt) as usize;
-        let off =
-            |i: usize| ((at((i + span) as f64 * trace.dt) - at(i as f64 * trace.dt)) / 0.57 / wanted - 1.0).abs() > 0.1;
-        let last = (first..trace.ticks.len() - span).rev().find(|i| off(*i));
-        last.map_or(0.0, |last| (last - first) as f64 * trace.dt)
+    let back = run.back.map_or(String::new(), |time| format!(", back in {time:.2} s"));
+    let vault = &run.vault;
+    format!(
+        "{:+.1} %{back}, score {:.2}; steps {:.3} m, lands {:.3} ahead, eq. 2 {:.3}, s {:+.3}",
+        100.0 * run.error,
+        run.score,
+        vault.step,
+        vault.ahead,
+        vault.vaulted,
+        vault.rise
+    )
+}
+
+/// The figure of those cases that ran.
+fn drawn(cases: &[Case], runs: &[[Result<Walked, String>; 2]], drive: &str) -> String {
+    let colours = [("whole", Colour::Blue), ("bare pendulum", Colour::Orange)];
+    let panels = cases.iter().zip(runs).filter(|(case, runs)| !case.name.starts_with("flat") && runs[0].is_ok());
+    let panels = panels.map(|(case, runs)| {
+        let commanded = (0..=(case.duration * 20.0) as usize).map(|i| {
+            let time = i as f64 / 20.0;
+            (time, case.walks.iter().rev().find(|walk| walk.0 <= time).map_or(0.0, |walk| walk.1))
+        });
+        let commanded =
+            Line { name: "commanded".into(), colour: Colour::Grey, dashed: true, points: commanded.collect() };
+        let lines = colours.iter().zip(runs).rev().filter_map(|((name, colour), run)| {
+            let points = run.as_ref().ok()?.curve.clone();
+            Some(Line { name: (*name).into(), colour: *colour, dashed: false, points })
+        });
+        let force = case.force.map(|(start, lasts, _)| (start, start + lasts));
+        Panel {
+            label: case.name.clone(),
+            lines: lines.chain([commanded]).collect(),
+            band: Vec::new(),
+            marks: force.into_iter().collect(),
+        }
     });
-    match back {
-        Some(time) => format!("{:+.1} %; {time:.2} s", 100.0 * error),
-        None => format!("{:+.1} %", 100.0 * error),
-    }
+    let duration = cases.iter().map(|case| case.duration).fold(0.0, f64::max);
+    svg(&Plot {
+        title: format!("Speed held in the paper's seven cases by the {drive} drive, m/s over s"),
+        duration,
+        panels: panels.collect(),
+        rows: Vec::new(),
+        columns: 2,
+    })
 }
