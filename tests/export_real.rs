@@ -155,11 +155,11 @@ fn real_bakes_keep_their_feet_with_few_keys() {
             share * 1e2,
             added as f64 / 1e3
         );
-        assert!(exact_slip > 1e-3 || slip < 0.5e-3, "{name}: {slip} m, the pose itself {exact_slip} m");
-        // A pose that jumps needs its keys; where little but legs has bones, theirs are most of them.
+        assert!(slip < exact_slip + 0.3e-3, "{name}: {slip} m, the pose itself {exact_slip} m");
+        // Where little but legs has bones, theirs are most of the keys.
         let most = if clip.channels.len() > 30 { 0.21 } else { 0.3 };
         let fell = baked.report.outcome == Outcome::Fall; // a short clip that moves in every frame
-        assert!(fell || exact_slip > 1e-3 || share < most, "{name}: {share}");
+        assert!(fell || share < most, "{name}: {share}");
     }
 }
 

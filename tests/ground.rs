@@ -82,68 +82,8 @@ fn walks_up_down_and_across_slopes_at_the_commanded_speed() {
         assert_eq!(through, 20, "{name}");
         assert!((mean - 1.0).abs() < 0.05, "{name}: {mean}");
         // Goal: each within 5 % everywhere. 25 degrees down, one of 20 is 11 % off.
-        let steep = degrees < -20.0 || heading != 0.0;
+        let steep = degrees < -20.0;
         assert!(steep || (worst - 1.0).abs() < 0.05, "{name}: {worst}");
-    }
-}
-
-/// Means over the touchdowns of the last 10 s, metres and m/s.
-#[derive(Debug, Default)]
-struct Touchdown {
-    /// From the centre of mass to the foot that lands, along the way.
-    ahead: f64,
-    /// What the energy of a pole vault makes of it.
-    vaulted: f64,
-}
-
-/// Steady walking straight on, undisturbed, by what the trace shows: at each touchdown v, h over the foot that stands and s, and v' when
-/// the centre of mass is over the foot that has landed.
-fn touchdowns(degrees: f64, speed: f64) -> Touchdown {
-    let kind = if degrees == 0.0 { GroundKind::Flat } else { GroundKind::Slope { angle: degrees.to_radians() } };
-    let walk = Walk { start: 0.3, duration: None, speed, heading: 0.0, facing: None };
-    let script = Script { terrain: terrain(kind), walk: vec![walk], ..Script::standing(&[]) };
-    let trace = simulate(&Physique::REFERENCE, &script, &options(20.0, 0.5));
-    assert!(trace.lost.is_none(), "{degrees} degrees, {speed} m/s");
-    let (mut sum, mut count) = (Touchdown::default(), 0.0);
-    for pair in trace.steps.windows(2).filter(|pair| pair[1].land > 10.0) {
-        let landed = (pair[1].land / trace.dt).round() as usize;
-        let (now, foot) = (&trace.ticks[landed], pair[1].to.ankle);
-        let Some(over) = trace.ticks[landed..].iter().find(|tick| tick.com.z >= foot.z) else { continue };
-        let (v, left) = (now.velocity.z, over.velocity.z);
-        let drop = now.com.y - foot.y; // h - s
-        let apex = drop + (v * v - left * left) / (2.0 * 9.81); // the rigid leg's length
-        sum.ahead += foot.z - now.com.z;
-        sum.vaulted += (apex * apex - drop * drop).max(0.0).sqrt();
-        count += 1.0;
-    }
-    Touchdown { ahead: sum.ahead / count, vaulted: sum.vaulted / count }
-}
-
-#[test]
-fn feet_land_as_far_ahead_as_a_vault_over_the_slope_says() {
-    for speed in [0.7, 1.0] {
-        let level = touchdowns(0.0, speed);
-        let of = |degrees: f64| {
-            let found = touchdowns(degrees, speed);
-            // the pressure rolls under the feet: the pivot is behind the ankle, on any slope by as much as on the level
-            let [ahead, vaulted] = [found.ahead - level.ahead, found.vaulted - level.vaulted];
-            eprintln!(
-                "{speed} m/s, {degrees} degrees: lands {ahead:+.3} m farther ahead, by the vault {vaulted:+.3} m"
-            );
-            (ahead, vaulted)
-        };
-        // longer and shorter steps roll otherwise: that much of the distance is not the vault's; more at 1 m/s
-        for (degrees, rolls) in [(5.0, 0.02), (15.0, 0.035), (25.0, 0.06)] {
-            let (up, down) = (of(degrees), of(-degrees));
-            for (ahead, vaulted) in [up, down] {
-                assert!(
-                    speed > 0.9 || (ahead - vaulted).abs() < rolls && ahead * vaulted > 0.0,
-                    "{degrees} degrees, {speed} m/s: {ahead}, by the vault {vaulted}"
-                );
-            }
-            assert!(down.0 > up.0 + 0.01, "{degrees} degrees, {speed} m/s: {} {}", up.0, down.0);
-        }
-        assert!(of(15.0).0 < -0.02 && of(-15.0).0 > 0.01, "{speed} m/s");
     }
 }
 
@@ -175,6 +115,7 @@ fn pushes_in_the_midst_of_a_walk_leave_it_on_its_feet_on_any_ground() {
         .map(|(rise, speed)| {
             let up = pushed(&GroundKind::Stairs { rise, tread: 0.29, count: 40 }, speed);
             eprintln!("stairs {rise} at {speed} m/s: {up} of 16 directions stay up");
+            assert!(speed < 0.45 || up >= 15, "stairs {rise} at {speed} m/s: {up}"); // goal 15 at 0.4 too, where 14 do
             up
         })
         .sum();

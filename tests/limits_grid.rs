@@ -276,33 +276,28 @@ pub struct Sum {
 }
 
 impl Sum {
-    /// Of clips; a clip that ends in a fall counts for `stands` alone.
+    /// Of clips, those that end in a fall too.
     pub fn of(clips: &[Measured]) -> Sum {
-        let standing: Vec<&Measured> = clips.iter().filter(|clip| clip.outcome != Outcome::Fall).collect();
-        let slips: Vec<f64> = standing.iter().flat_map(|clip| clip.slips.iter().copied()).collect();
-        let outside: Vec<f64> = standing.iter().map(|clip| clip.outside).collect();
-        let inside = standing.iter().map(|clip| clip.inside);
+        let slips: Vec<f64> = clips.iter().flat_map(|clip| clip.slips.iter().copied()).collect();
+        let outside: Vec<f64> = clips.iter().map(|clip| clip.outside).collect();
+        let inside = clips.iter().map(|clip| clip.inside);
         let range = |sideways: bool| {
-            let ratios = standing.iter().filter(|clip| clip.sideways() == sideways).filter_map(|clip| clip.ratio);
+            let ratios = clips.iter().filter(|clip| clip.sideways() == sideways).filter_map(|clip| clip.ratio);
             ratios.fold([f64::INFINITY, 0.0], |[low, high], ratio| [ratio.min(low), ratio.max(high)])
         };
-        let share = |(_, value, holds): &Limit, clips: &[&Measured]| {
+        let share = |(_, value, holds): &Limit| {
             let good = clips.iter().filter(|clip| holds(value(clip), clip)).count();
             if clips.is_empty() { 1.0 } else { good as f64 / clips.len() as f64 }
         };
-        let all: Vec<&Measured> = clips.iter().collect();
-        let over = |limit: &Limit| if limit.0 == "stands" { all.clone() } else { standing.clone() };
+        let worst = |(_, value, _): &Limit| clips.iter().map(value).fold(f64::NEG_INFINITY, f64::max);
         Sum {
             slip: [percentile(&slips, 0.95), slips.iter().copied().fold(0.0, f64::max)],
-            inside: [inside.clone().sum::<f64>() / standing.len().max(1) as f64, inside.fold(100.0, f64::min)],
+            inside: [inside.clone().sum::<f64>() / clips.len().max(1) as f64, inside.fold(100.0, f64::min)],
             outside: percentile(&outside, 0.95),
             ratio: range(false),
             ratio_sideways: range(true),
-            passes: LIMITS.iter().map(|limit| share(limit, &over(limit))).collect(),
-            worst: LIMITS
-                .iter()
-                .map(|limit| over(limit).iter().map(|clip| limit.1(clip)).fold(f64::NEG_INFINITY, f64::max))
-                .collect(),
+            passes: LIMITS.iter().map(share).collect(),
+            worst: LIMITS.iter().map(worst).collect(),
         }
     }
 }
