@@ -89,9 +89,9 @@ pub fn seven(speed: f64, [up, down]: [(f64, f64); 2], [impulse, lasting]: [f64; 
         force: Some((start, lasts, newtons)),
         ..Case::level(name, speed)
     };
-    let changing = vec![(0.2, 0.6), (6.0, 1.2), (12.0, 0.9), (18.0, 0.4)];
+    let changing = vec![(0.2, 0.6), (8.0, 1.2), (16.0, 0.9), (24.0, 0.4)];
     [
-        Case { walks: changing, duration: 26.0, ..Case::level("(a) changing speed", speed) },
+        Case { walks: changing, duration: 34.0, ..Case::level("(a) changing speed", speed) },
         on(&format!("(b) {:.0} degrees up at {:.1} m/s", up.0, up.1), up.0, up.1),
         on(&format!("(c) {:.0} degrees down at {:.1} m/s", down.0, down.1), -down.0, down.1),
         forced(&format!("(d) {impulse:.0} N, 0.2 s from behind"), 5.0, 0.2, impulse),
