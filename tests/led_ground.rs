@@ -83,7 +83,8 @@ fn slopes_are_walked_up_and_down_by_every_body() {
         let report = &clip.report;
         println!("{name}: {:?}, {:.2} m/s, score {:.2}", report.outcome, speed(clip), report.plausibility.score);
         assert_ne!(report.outcome, Outcome::Fall, "{name}");
-        assert!((speed(clip) / pace - 1.0).abs() < 0.1, "{name}: {:.2} m/s", speed(clip));
+        // goal 5 %: short legs 14 degrees down are 5.2 % fast
+        assert!((speed(clip) / pace - 1.0).abs() < 0.07, "{name}: {:.2} m/s", speed(clip));
         sound(name, clip);
     }
 }
