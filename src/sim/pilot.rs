@@ -19,8 +19,8 @@ const AT_EASE: f64 = 0.4;
 /// s at legs of 0.83 m, over which its speed is seen, and what was asked of it too: else what it lacks while it speeds up is gathered, and
 /// it then goes 3 to 6 % too fast for ten seconds. 1/s, how fast what it lacks is gathered; m/s, the most that is made up for.
 const SEEN: f64 = 0.6;
-const GATHERS: f64 = 0.5;
-const MOST: f64 = 0.4;
+const GATHERS: f64 = 0.3;
+const MOST: f64 = 0.3;
 
 /// m/s at legs of 0.83 m, how fast the pelvis goes down into a crouch and up again.
 const SINKS: f64 = 0.2;
