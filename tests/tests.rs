@@ -19,6 +19,8 @@ mod audit_forces;
 mod audit_grid;
 /// Base clips: stands and walks that a reaction starts from and returns to.
 mod base;
+/// Base clips that stand, by the articulated body.
+mod base_body;
 /// `surefoot batch`: as `bake` makes each, whatever the jobs, chunks, kills; failures, merged files, bad sweeps.
 mod batch;
 /// Baked shoves beside the hand-keyed hits of the same rig; draws them where it is told to.

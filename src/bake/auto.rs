@@ -19,6 +19,9 @@ const TOUCHED: &str = "things touch the body";
 /// Plausibility from which on another clip of someone who stands could hardly look better: what is above are differences that nobody sees.
 const PLAUSIBLE: f64 = 0.95;
 
+/// Degrees and mm: a clip that ends farther from its base clip has not come back to it.
+const HOME: (f64, f64) = (1.0, 5.0);
+
 /// Why a drive was chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
@@ -43,7 +46,7 @@ pub enum Fall {
 /// Bakes with the drive that does it better. Where things touch a body that stays up the stepper has no say, and bakes nothing.
 pub(super) fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions, helped: Helped) -> Result<Baked, BakeError> {
     let stepper = || bake_by(rig, scenario, options, Drive::Stepper);
-    if !touched(scenario) || !unplayed(scenario).is_empty() {
+    if !touched(scenario) || !unplayed(scenario, options.base.as_deref()).is_empty() {
         return stepper().map(|stepper| choose(stepper, rig, scenario, options, helped));
     }
     let ragdoll = bake_by(rig, scenario, options, Drive::Ragdoll(helped));
@@ -57,7 +60,7 @@ pub(super) fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions, helped
 
 /// The stepper's clip of that scenario, or the ragdoll's where that is better.
 pub fn choose(stepper: Baked, rig: &Rig, scenario: &Scenario, options: &BakeOptions, helped: Helped) -> Baked {
-    let unplayed = unplayed(scenario);
+    let unplayed = unplayed(scenario, options.base.as_deref());
     if !unplayed.is_empty() {
         return stepper.chosen(format!("the ragdoll cannot play {} yet", unplayed.join(", ")), None);
     }
@@ -91,10 +94,18 @@ fn better(stepper: Baked, ragdoll: Result<Baked, BakeError>, scenario: &Scenario
             let what = shirked.map_or("obey", Shirked::told);
             stepper.chosen(format!("the ragdoll does not {what}"), Some(scores.1))
         }
+        _ if is_home(&stepper) && !is_home(&ragdoll) => {
+            stepper.chosen("the ragdoll does not come back to the base clip".into(), Some(scores.1))
+        }
         _ if touched(scenario) => ragdoll.chosen(TOUCHED.into(), Some(scores.0)),
         _ if scores.1 > scores.0 => ragdoll.chosen("its clip is the more plausible".into(), Some(scores.0)),
         _ => stepper.chosen("its clip is the more plausible".into(), Some(scores.1)),
     }
+}
+
+/// Whether a clip ends in the base clip that it is laid over, if any.
+fn is_home(baked: &Baked) -> bool {
+    baked.report.base.as_ref().is_none_or(|base| base.last_deg < HOME.0 && base.last_mm < HOME.1)
 }
 
 /// Whether anything but a push meets the body.

@@ -93,7 +93,7 @@ pub fn perform_over(
     base: Option<&Arc<Base>>,
 ) -> Result<Performance, BakeError> {
     if let Drive::Ragdoll(helped) | Drive::Auto(helped) = drive {
-        return played::perform::perform(body, scenario, seed, (helped, ahead));
+        return played::perform::perform(body, scenario, seed, (helped, ahead), base);
     }
     let anatomy = Anatomy::new(body);
     let mut over = base.map(|base| Over::new(base, body, &anatomy, scenario)).transpose()?;

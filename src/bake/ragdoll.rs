@@ -2,15 +2,15 @@
 //!
 //! Its run leaves the stepper's kind of trace, and the links' poses; [`super::played`] makes them a clip. Scenario space, SI.
 
+use super::base::Stood;
 use super::carried::{self, Carried};
 use super::throws::{Ball, Hit, Toss};
-use super::unplayed::unplayed;
 use super::{BakeError, Performance};
 use crate::measure::{KnownPush, PushPoint};
 use crate::model::scenario::Scenario;
-use crate::model::{Body, Load, Physique, Terrain};
+use crate::model::{Body, BodyPose, Load, Physique, Terrain};
 use crate::ragdoll::control::Assist;
-use crate::sim::{Ahead, Articulated, ArticulatedOptions, Incoming, Script, Things, simulate_with};
+use crate::sim::{Ahead, Articulated, ArticulatedOptions, Ease, Incoming, Script, Things, simulate_with};
 use crate::stepper::Phase;
 use crate::whole_body::{Anatomy, Solver, stand};
 use glam::DVec3;
@@ -72,11 +72,8 @@ pub(super) fn run(
     tosses: &[Toss],
     (carried, loads): (&[Carried], &[Load]),
     helped: Helped,
+    stood: Option<&Stood>,
 ) -> Result<Driven, BakeError> {
-    let unplayed = unplayed(scenario);
-    if !unplayed.is_empty() {
-        return Err(BakeError::Unplayed { parts: unplayed.join(", ") });
-    }
     let terrain = Terrain::new(&scenario.ground);
     let standing = Solver::new(body, anatomy).solve(&stand::natural_stand(body, physique)).pose;
     let positions = standing.positions(body);
@@ -95,7 +92,19 @@ pub(super) fn run(
     let lanes = [scenario.walk.len(), scenario.turn.len(), scenario.crouch.len(), scenario.stand.len()];
     let led = lanes != [0; 4];
     let intent = |time: f64| led.then(|| script.intent(time));
-    let things = Things { incoming: &incoming, loads, hold: &hold, intent: &intent };
+    let flat = stood.map(|stood| stood.on_soles(body, anatomy));
+    let goal = |time: f64| {
+        let Some((stood, (_, moved))) = stood.zip(flat.as_ref()) else { return (standing.clone(), DVec3::ZERO) };
+        let frame = stood.base.at(time);
+        (BodyPose { hips: frame.pose.hips + *moved, ..frame.pose }, frame.com)
+    };
+    let ease = stood.zip(flat.as_ref()).map(|(stood, (stand, _))| Ease {
+        stand: stand.clone(),
+        plants: stood.feet.map(|foot| foot.plant),
+        natural: standing.clone(),
+        goal: &goal,
+    });
+    let things = Things { incoming: &incoming, loads, hold: &hold, intent: &intent, ease };
     let once = |bound: Assist, effort: u8| -> Result<Driven, BakeError> {
         let options = ArticulatedOptions { ahead: Ahead { effort, ..options.ahead }, ..*options };
         let run = simulate_with(body, anatomy, physique, &terrain, &options, pushes, bound, &things)

@@ -1,5 +1,6 @@
 //! What of a scenario the articulated body cannot play yet, by name: bounds within which seeded walks of several rigs keep their feet.
 
+use super::base::Base;
 use crate::maths::real;
 use crate::model::scenario::{GroundKind, Scenario, Stepper, Walk};
 use crate::sim::FASTEST;
@@ -39,8 +40,8 @@ const TILTED: [&str; 4] = [
     "[[stand]] on a platform that tilts by more than 12 degrees",
 ];
 
-/// What of a scenario the articulated body cannot play yet, for a person; empty where it plays it all.
-pub(super) fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
+/// What of a scenario the articulated body cannot play yet, over that clip if any, for a person; empty where it plays it all.
+pub(super) fn unplayed(scenario: &Scenario, base: Option<&Base>) -> Vec<&'static str> {
     let mut parts = Parts::default();
     match scenario.ground.kind {
         GroundKind::Flat => {}
@@ -58,7 +59,11 @@ pub(super) fn unplayed(scenario: &Scenario) -> Vec<&'static str> {
     parts.add(scenario.crouch.iter().any(|crouch| crouch.amount > LOWEST), "[[crouch]] by more than 0.2");
     parts.add(crouches && (walks || turns || stands), "[[crouch]] beside [[walk]], [[turn]] or [[stand]]");
     parts.add(scenario.character.crouch > 0.0, "[character] crouch");
-    parts.add(scenario.base.is_some(), "[base]");
+    let over = base.is_some() || scenario.base.is_some();
+    parts.add(base.is_some_and(|base| base.walks), "[base] that walks");
+    let lanes = walks || turns || stands || crouches || !scenario.carry.is_empty();
+    parts.add(over && lanes, "[base] beside [[walk]], [[turn]], [[crouch]], [[stand]] or [[carry]]");
+    parts.add(over && scenario.ground.kind != GroundKind::Flat, "[base] on ground that is not flat");
     parts.add(scenario.stepper != Stepper::default(), "[stepper]");
     parts.0
 }

@@ -11,6 +11,7 @@ use super::guide::{self, Guide};
 use super::joints::pelvis;
 use super::reach::Sole;
 use super::slope;
+use super::stance::Stance;
 use super::swing::Reference;
 use super::toes;
 use super::tuning::Tuning;
@@ -132,6 +133,8 @@ pub struct Controller {
     pub lower: f64,
     /// m/s, what of its speed corrective steps are to keep, (x, z).
     pub going: DVec2,
+    /// How it stands when it is at ease, where that is not side by side.
+    pub stance: Option<Stance>,
     pub(super) guided: bool, // the swing under way is the guide's
     pub(super) uphill: f64,  // rad, how far the trunk leans for ground that rises before it
     pub(super) leans: f64,   // rad, how far the trunk is to lean forwards
@@ -170,6 +173,7 @@ impl Controller {
             guide: None,
             lower: 0.0,
             going: DVec2::ZERO,
+            stance: None,
             guided: false,
             uphill: 0.0,
             leans: 0.0,
@@ -215,7 +219,7 @@ impl Controller {
     /// m, the middle of a sole, (x, z).
     pub(super) fn sole_middle(&self, figure: &Figure, side: Side) -> DVec2 {
         let (ankle, yaw) = self.foot(figure, side);
-        flat(ankle) - self.slants[side as usize] + self.ahead(yaw)
+        flat(ankle) - self.slants[side as usize] + self.ahead(side, yaw)
     }
 
     /// (x, z) of `far` m ahead of where it faces.
@@ -223,8 +227,9 @@ impl Controller {
         DVec2::new(real::sin(self.heading), real::cos(self.heading)) * far
     }
 
-    /// m, from the ankle to where a foot bears best.
-    pub(super) fn ahead(&self, yaw: f64) -> DVec2 {
+    /// m, from the ankle to where a foot bears best whose link is turned so.
+    pub(super) fn ahead(&self, side: Side, yaw: f64) -> DVec2 {
+        let yaw = self.points(side, yaw);
         DVec2::new(real::sin(yaw), real::cos(yaw)) * self.middle
     }
 
@@ -344,8 +349,9 @@ impl Controller {
         let linear = self.carried(figure, terrain, cop, height, floor, dt);
         // Pelvis and trunk upright, towards the heading.
         self.face();
+        self.face_as_feet(figure, dt);
         self.bow(figure, terrain, dt);
-        let facing = DQuat::from_rotation_y(self.heading) * self.bowed();
+        let facing = DQuat::from_rotation_y(self.heading) * self.bowed() * self.tilted();
         let turn = |link: usize, wanted: DQuat, gains: [f64; 2], most: f64| {
             let error = short(wanted * self.states[link].turn.inverse());
             (error * gains[0] - self.states[link].spin * gains[1]).clamp_length_max(most)

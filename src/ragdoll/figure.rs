@@ -145,6 +145,11 @@ pub struct Locks {
 impl Figure {
     /// Reads a body that stands as `stand`.
     pub fn new(body: &Body, stand: &BodyPose, locks: Locks) -> Figure {
+        Figure::with_knees(body, stand, locks, None)
+    }
+
+    /// The same with the axes of its knees, left and right, where the stand's bends do not tell them.
+    pub fn with_knees(body: &Body, stand: &BodyPose, locks: Locks, knees: Option<[DVec3; 2]>) -> Figure {
         let mut make = Maker::new(body, stand);
         make.link(Part::Pelvis, None, Role::Hips, Freedom::Free, 25.0);
         let trunk_joint =
@@ -173,7 +178,11 @@ impl Figure {
             (Side::Right, Role::RightUpperLeg, Role::RightLowerLeg, Role::RightFoot),
         ] {
             let hip = make.link(Part::Thigh(side), Some(0), upper, BALL, 25.0);
-            let hinge = make.hinge([upper, lower, foot], DVec3::X, 150.0);
+            let chain = [upper, lower, foot];
+            let hinge = match knees {
+                Some(axes) => make.hinge_about(chain, axes[side as usize], 150.0),
+                None => make.hinge(chain, DVec3::X, 150.0),
+            };
             let knee = make.link(Part::Shank(side), Some(hip), lower, hinge, 25.0);
             let ankle = make.link(Part::Foot(side), Some(knee), foot, Freedom::Ball { stiff: Some(1) }, 40.0);
             legs[side as usize] = [hip, knee, ankle];
@@ -290,6 +299,14 @@ impl<'a> Maker<'a> {
             carried: 0.0,
         });
         self.links.len() - 1
+    }
+
+    /// The hinge of the middle of three joints about an axis.
+    fn hinge_about(&self, chain: [Role; 3], axis: DVec3, most: f64) -> Freedom {
+        let [a, b, c] = chain.map(|role| self.positions[self.joint(role)]);
+        let (upper, lower) = ((b - a).normalize_or_zero(), (c - b).normalize_or_zero());
+        let bent = real::atan2(upper.cross(lower).dot(axis), upper.dot(lower));
+        Freedom::Hinge { axis, range: [-bent.max(0.0), most.to_radians() - bent] }
     }
 
     /// The hinge of the middle of three joints: square to the bend of the stand, else across the body.

@@ -132,7 +132,7 @@ impl Controller {
         };
         self.guided = true;
         let passed = self.time - swing.start;
-        swing.target = wish.ankle + self.ahead(wish.yaw);
+        swing.target = wish.ankle + self.ahead(wish.side, wish.yaw);
         if wish.left.is_finite() {
             swing.time = passed + wish.left * LATER;
         }
@@ -222,7 +222,7 @@ impl Controller {
     /// rad, where a swinging foot is to point when it lands.
     pub(super) fn foot_heading(&self, side: Side) -> f64 {
         let wish = self.guide.and_then(|guide| guide.swing).filter(|wish| wish.side == side);
-        wish.map_or(self.heading, |wish| wish.yaw)
+        wish.map_or(self.heading + self.turned_out(side), |wish| wish.yaw)
     }
 
     /// Is a foot held up?

@@ -16,6 +16,7 @@ mod ranges;
 mod reach;
 pub mod slope;
 mod sole;
+pub mod stance;
 mod stepping;
 mod swing;
 mod tasks;
@@ -28,6 +29,7 @@ pub mod world;
 pub use control::Controller;
 pub use figure::{Figure, Locks};
 pub use guide::{Guide, Wish};
+pub use stance::Stance;
 pub use tuning::Tuning;
 pub use world::{LinkState, World};
 

@@ -75,7 +75,12 @@ impl Controller {
     pub(super) fn heeds(&self, figure: &Figure, side: Side, turn: DQuat, margin: f64) -> (DQuat, DVec3, f64) {
         let shank = &self.states[figure.legs[side as usize][1]];
         let [.., flexion, inversion] = figure.leg_ranges[side as usize];
-        let wanted = held(shank.turn, turn, ends(flexion, [-inversion[1], -inversion[0]], side), margin);
+        let ends = ends(flexion, [-inversion[1], -inversion[0]], side);
+        let wanted = match self.stance.as_ref().map(|stance| DQuat::from_rotation_y(stance.splay[side as usize])) {
+            // Ranges are about the foot's own axes.
+            Some(out) => held(shank.turn * out, turn * out, ends, margin) * out.inverse(),
+            None => held(shank.turn, turn, ends, margin),
+        };
         let tilt = short(wanted * turn.inverse());
         let gives = smooth3(tilt.length() / HEEDS);
         let about = tilt.normalize_or_zero();

@@ -31,7 +31,7 @@ impl Controller {
         match (self.swing, self.shifting) {
             (Some(swing), _) => self.sole_middle(figure, swing.side.other()),
             (_, Some((side, _))) => self.sole_middle(figure, side.other()),
-            _ => 0.5 * (self.sole_middle(figure, Side::Left) + self.sole_middle(figure, Side::Right)),
+            _ => self.at_rest(0.5 * (self.sole_middle(figure, Side::Left) + self.sole_middle(figure, Side::Right))),
         }
     }
 
@@ -48,7 +48,7 @@ impl Controller {
         let pelvis = self.states[0];
         let [arrives, carries] = [false, true].map(|carries| self.leg_used(terrain, carries));
         let floor = self.guide.map_or(floor, |guide| guide.floor);
-        let mut height = self.pelvis_height + floor - self.tuning.crouch * self.size - self.lower;
+        let mut height = self.pelvis_height + floor - self.tuning.crouch * self.size - self.lower + self.raised();
         // On steep ground the knees are bent beforehand: a step down it must find ground.
         let uphill = self.faces_up(terrain);
         let crouch = STEEP * (1.0 - terrain.spot(flat(pelvis.origin)).normal.y);
@@ -60,7 +60,7 @@ impl Controller {
             let (foot, reach) = match self.swing {
                 Some(swing) if swing.side == side => {
                     let left = (swing.start + swing.time - self.time).max(0.0);
-                    let goal = swing.target - self.ahead(swing.yaw);
+                    let goal = swing.target - self.ahead(side, swing.yaw);
                     let drift = flat(self.motion.velocity) * left;
                     let lands = terrain.spot(goal).height;
                     let at = DVec3::new(

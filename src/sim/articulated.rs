@@ -11,6 +11,8 @@ use super::retrace::Retrace;
 use super::run::{Course, Run};
 use super::search::{Ahead, Search, Searched};
 use super::session::TICK;
+use crate::maths::curve::smooth3;
+use crate::maths::real;
 use crate::measure::KnownPush;
 use crate::model::scenario::GroundKind;
 use crate::model::{Body, BodyPose, Load, Physique, Plant, Role, Side, Terrain};
@@ -30,6 +32,9 @@ const GIVES_WAY: f64 = 0.82;
 const SINKS: f64 = 0.95;
 /// s at rest, after which a run that goes on past what was asked ends.
 const RESTS: f64 = 0.5;
+
+/// Sines of a knee's bend: less bent, it does not tell its axis; more, it does.
+const STRAIGHT: [f64; 2] = [0.1, 0.3];
 
 /// How to run the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -136,12 +141,26 @@ pub struct Things<'a> {
     pub hold: &'a dyn Fn(f64) -> Option<Hold>,
     /// What is meant at a time (s), where the stepper's plan is to lead the body.
     pub intent: &'a dyn Fn(f64) -> Option<Inputs>,
+    /// What it does at ease, where that is not the natural stand.
+    pub ease: Option<Ease<'a>>,
+}
+
+/// What a body does at ease: it begins so, and goes back to it.
+pub struct Ease<'a> {
+    /// How it begins, its soles flat on the ground.
+    pub stand: BodyPose,
+    /// Where its feet are then.
+    pub plants: [Plant; 2],
+    /// How it stands while it fights for its balance.
+    pub natural: BodyPose,
+    /// The pose at a time (s) and its centre of mass, m, where it has not moved.
+    pub goal: &'a dyn Fn(f64) -> (BodyPose, DVec3),
 }
 
 impl Things<'_> {
     /// Nothing.
     pub fn none() -> Self {
-        Things { incoming: &[], loads: &[], hold: &|_| None, intent: &|_| None }
+        Things { incoming: &[], loads: &[], hold: &|_| None, intent: &|_| None, ease: None }
     }
 }
 
@@ -157,13 +176,29 @@ pub fn simulate_with(
     assist: Assist,
     things: &Things,
 ) -> Result<Articulated, BrokenBody> {
-    let plants = stand::natural_plants(physique.stance_width, physique.com_forward);
+    let natural = stand::natural_plants(physique.stance_width, physique.com_forward);
+    let plants = things.ease.as_ref().map_or(natural, |ease| ease.plants);
     let level = stand::natural_stand(body, physique);
-    let standing = Solver::new(body, anatomy).solve(&level).pose;
-    let figure = Figure::new(body, &standing, Locks::default());
+    let standing = match &things.ease {
+        Some(ease) => ease.stand.clone(),
+        None => Solver::new(body, anatomy).solve(&level).pose,
+    };
+    let figure = match &things.ease {
+        Some(ease) => {
+            let knees = knees(body, anatomy, &ease.stand, &ease.plants);
+            let plain = untwisted(body, anatomy, &ease.stand, &knees);
+            let mut figure = Figure::with_knees(body, &plain, Locks::default(), Some(knees));
+            figure.stand = ease.stand.clone();
+            figure
+        }
+        None => Figure::new(body, &standing, Locks::default()),
+    };
     let target = (things.hold)(0.0).map_or(level, |hold| level.holding(hold));
-    let first = on_ground(body, anatomy, physique, terrain, &plants, &target)
-        .unwrap_or_else(|| Solver::new(body, anatomy).solve(&target).pose);
+    let first = match &things.ease {
+        Some(ease) => ease.stand.clone(),
+        None => on_ground(body, anatomy, physique, terrain, &plants, &target)
+            .unwrap_or_else(|| Solver::new(body, anatomy).solve(&target).pose),
+    };
     let course = Course { figure: &figure, body, anatomy, physique, terrain, pushes, things, level, start: plants };
     let mut run = Run::new(&course, &first, options)?;
     run.control.assist = assist;
@@ -225,6 +260,41 @@ fn play(course: &Course, mut run: Run, options: &ArticulatedOptions) -> Result<A
     let (balls, acting) = (run.balls.finish(), run.acting);
     let made = record.finish(options.dt, acting, (lost, rest), course.terrain, options.duration);
     Ok(Articulated { joints: course.figure.joints(), balls, search: search.done(), ..made })
+}
+
+/// The axes that the knees bend about in a pose, left and right: as they are bent; of a leg that is almost straight, across its foot. What
+/// thighs are turned about their own length says nothing: clips have it by a right angle and more.
+fn knees(body: &Body, anatomy: &Anatomy, pose: &BodyPose, plants: &[Plant; 2]) -> [DVec3; 2] {
+    let positions = pose.positions(body);
+    Side::BOTH.map(|side| {
+        let leg = &anatomy.legs[side as usize];
+        let [hip, knee, ankle] = [leg.upper, leg.lower, leg.foot].map(|joint| positions[joint]);
+        let square = (knee - hip).normalize_or_zero().cross((ankle - knee).normalize_or_zero());
+        let line = (ankle - hip).normalize_or(DVec3::NEG_Y);
+        let across = DQuat::from_rotation_y(plants[side as usize].yaw) * DVec3::X;
+        let across = (across - line * across.dot(line)).normalize_or(DVec3::X);
+        let bent = smooth3((square.length() - STRAIGHT[0]) / (STRAIGHT[1] - STRAIGHT[0]));
+        let own = if square.dot(across) > 0.0 { square.normalize_or(across) } else { across };
+        across.lerp(own, bent).normalize_or(across)
+    })
+}
+
+/// A pose whose thighs and shanks are turned about their own length so that their hinges are those of the knees: how far hips and ankles go
+/// is measured by them.
+fn untwisted(body: &Body, anatomy: &Anatomy, pose: &BodyPose, knees: &[DVec3; 2]) -> BodyPose {
+    let positions = pose.positions(body);
+    let mut plain = pose.clone();
+    for (leg, knee) in anatomy.legs.iter().zip(knees) {
+        let bones = [(leg.upper, leg.lower, leg.thigh_from_rest), (leg.lower, leg.foot, leg.shank_from_rest)];
+        for (joint, next, from_rest) in bones {
+            let along = (positions[next] - positions[joint]).normalize_or(DVec3::NEG_Y);
+            let hinge = pose.turns[joint] * from_rest.inverse() * DVec3::X;
+            let [hinge, wanted] = [hinge, *knee].map(|axis| axis - along * axis.dot(along));
+            let by = real::atan2(hinge.cross(wanted).dot(along), hinge.dot(wanted));
+            plain.turns[joint] = (DQuat::from_axis_angle(along, by) * pose.turns[joint]).normalize();
+        }
+    }
+    plain
 }
 
 /// The stand with the soles on ground that is not flat.

@@ -13,7 +13,7 @@ mod search;
 pub mod session;
 pub mod trace;
 
-pub use articulated::{Articulated, ArticulatedOptions, Help, Things, simulate_articulated, simulate_with};
+pub use articulated::{Articulated, ArticulatedOptions, Ease, Help, Things, simulate_articulated, simulate_with};
 pub use balls::{Flown, Incoming, Struck};
 pub use pilot::FASTEST;
 pub use record::PRESSED;

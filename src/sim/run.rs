@@ -11,7 +11,7 @@ use crate::measure::{KnownPush, PushPoint};
 use crate::model::{Body, BodyPose, Load, Physique, Plant, Side, Terrain};
 use crate::ragdoll::control::Report;
 use crate::ragdoll::figure::Part;
-use crate::ragdoll::{Controller, Figure, LinkState, Tuning, World, fall};
+use crate::ragdoll::{Controller, Figure, LinkState, Stance, Tuning, World, fall};
 use crate::whole_body::reaction::{Personality, Reaction, Senses, upper_turns};
 use crate::whole_body::solve::PoseTarget;
 use crate::whole_body::stand::relaxed_arms;
@@ -28,6 +28,9 @@ const RESTS: f64 = 0.05;
 /// s at legs of 0.83 m after the last push and the last step against a fall: from when on a body feels safe, and when it does in full.
 /// With how long alarm and arms take to fade, arms are down within a second, as people's are.
 const SAFE: [f64; 2] = [0.1, 0.4];
+/// s at legs of 0.83 m, in which who fights for his balance leaves what he did at ease, and goes back to it.
+const FIGHTS: f64 = 0.15;
+const CALMS: f64 = 0.7;
 /// Of the kinematic body's time, what arms take to come down: these have to be moved, which takes time of its own.
 const LOWERS: f64 = 0.6;
 
@@ -69,7 +72,8 @@ pub(super) struct Run {
     pilot: Pilot,
     felt: DVec3, // N, what pushed it in the last tick
     velocity: Option<DVec3>,
-    pushed: f64, // s, when something last pushed it
+    pushed: f64,  // s, when something last pushed it
+    natural: f64, // 0 at ease as it is told, 1 fighting for its balance in the natural stand
 }
 
 /// What a tick knows before the world goes on.
@@ -115,6 +119,11 @@ impl Run {
             .map_err(|error| BrokenBody { time: 0.0, what: error.to_string() })?;
         let mut control = Controller::new(figure, &world, tuning_of(&options.personality));
         control.stands_on(figure, course.terrain);
+        if course.things.ease.is_some() {
+            let splay = course.start.map(|plant| plant.yaw);
+            control.stance =
+                Some(Stance::of(&mut control, figure, splay, (course.physique.com_forward, course.physique.toe_out)));
+        }
         let act = |(push, turns): &(KnownPush, bool)| SessionPush {
             start: push.start,
             duration: push.end - push.start,
@@ -135,6 +144,7 @@ impl Run {
             felt: DVec3::ZERO,
             velocity: None,
             pushed: f64::NEG_INFINITY,
+            natural: 0.0,
         })
     }
 
@@ -172,6 +182,7 @@ impl Run {
         let angles = self.reaction.tick(&senses, dt);
         let (_, _, _, arms) = upper_turns(&angles);
         self.pose_arms(figure, &self.at_walk(arms));
+        self.at_ease(course, time + dt);
         if let Some(hold) = (things.hold)(time + dt) {
             let held = Solver::new(course.body, course.anatomy).solve(&course.level.holding(hold)).pose;
             self.pose_held(figure, &figure.placed(course.body, &held), hold.weight);
@@ -320,6 +331,38 @@ impl Run {
             elbow: mix(arm.elbow, hang.elbow + 0.2),
             ..arm
         })
+    }
+
+    /// Tells the body how it is at ease then; arms react from there.
+    fn at_ease(&mut self, course: &Course, time: f64) {
+        let Some(ease) = &course.things.ease else { return };
+        let (figure, (pose, com)) = (course.figure, (ease.goal)(time));
+        let [dt, tempo] = [self.world.dt, self.control.tempo()];
+        let back = self.control.at_ease() > SAFE[0] * tempo && self.control.is_home(figure);
+        let over = if back { -CALMS } else { FIGHTS };
+        self.natural = (self.natural + dt / (over * tempo)).clamp(0.0, 1.0);
+        let share = smooth3(self.natural);
+        let mut placed = figure.placed(course.body, &pose);
+        let natural = figure.placed(course.body, &ease.natural);
+        let height = placed[0].0.y + (natural[0].0.y - placed[0].0.y) * share;
+        for (own, natural) in placed.iter_mut().zip(&natural) {
+            own.1 = own.1.slerp(natural.1, share);
+        }
+        for (index, link) in figure.links.iter().enumerate() {
+            let Some(parent) = link.parent else { continue };
+            let own = placed[parent].1.inverse() * placed[index].1;
+            match link.part {
+                Part::UpperArm(_) | Part::Forearm(_) => {
+                    self.control.posture[index] = self.control.posture[index] * own;
+                }
+                Part::Trunk | Part::Head | Part::Hand(_) => self.control.posture[index] = own,
+                _ => {}
+            }
+        }
+        if let Some(stance) = &mut self.control.stance {
+            stance.rest_at(com, 1.0 - share);
+            (stance.pelvis, stance.higher) = (placed[0].1, height - figure.links[0].anchor.y);
+        }
     }
 
     /// Tells the arms how they would be held.

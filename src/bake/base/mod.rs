@@ -12,6 +12,7 @@ pub mod gait;
 mod hold;
 pub(in crate::bake) mod over;
 mod prepare;
+mod soles;
 pub mod stand;
 mod turning;
 pub mod walk;

@@ -14,9 +14,9 @@ const HOMEWARD: f64 = 1.0;
 /// s, that the last landing or push must be over before.
 const SETTLED: f64 = 0.25;
 /// Part of the leg by which a landing is moved at most for the feet to stand as in the clip.
-const MOST_MOVED: f64 = 0.1;
+pub(in crate::bake) const MOST_MOVED: f64 = 0.1;
 /// rad, the same of its turn.
-const MOST_TURNED: f64 = 0.35;
+pub(in crate::bake) const MOST_TURNED: f64 = 0.35;
 /// rad: a heel that is up by more stands on its ball.
 const ON_BALL: f64 = 6.0 * std::f64::consts::PI / 180.0;
 /// m of foot travel in the clip that is passed over.

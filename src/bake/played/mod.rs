@@ -8,8 +8,10 @@ pub mod contacts;
 pub mod drift;
 mod hold;
 pub mod leg;
+mod over;
 pub mod perform;
 
+use super::base::{Over, Stood};
 use super::contacts::FootContact;
 use crate::maths::curve::sample;
 use crate::maths::filter::zero_lag;
@@ -62,6 +64,7 @@ pub struct Played {
     held: [Held; 2],
     shift: Vec<DVec3>, // m, by which the body gives way to its held feet
     scuffs: Vec<Scuff>,
+    laid: Option<Box<over::Laid>>,
 }
 
 impl Played {
@@ -77,6 +80,7 @@ impl Played {
             held: [none(), none()],
             shift: vec![DVec3::ZERO; stands + 1],
             scuffs: Vec::new(),
+            laid: None,
         };
         let track = |side: Side| contacts::Track::new(run, &played.run[..=stands], side);
         let tracks = [track(Side::Left), track(Side::Right)];
@@ -102,6 +106,17 @@ impl Played {
         played
     }
 
+    /// The same over the clip that the run started from.
+    fn over_stand(mut self, run: &Run, stood: Stood, course: &over::Course) -> Played {
+        self.laid = Some(Box::new(over::Laid::new(&self, run, stood, course)));
+        self
+    }
+
+    /// The clip that it is shown over.
+    pub fn over(&self) -> Option<Over> {
+        self.laid.as_ref().map(|laid| Over::Stand(Box::new(laid.stood().clone())))
+    }
+
     /// s, of the last pose.
     pub fn duration(&self) -> f64 {
         (self.run.len() - 1) as f64 * self.dt
@@ -125,6 +140,9 @@ impl Played {
 
     /// What the feet hold, in order of start, left before right.
     pub fn contacts(&self) -> Vec<FootContact> {
+        if let Some(laid) = &self.laid {
+            return laid.contacts().to_vec();
+        }
         let each = Side::BOTH.into_iter().flat_map(|side| self.held[side as usize].contacts(side));
         let mut contacts: Vec<FootContact> = each.collect();
         contacts.sort_by(|a, b| a.start.total_cmp(&b.start).then(a.side.cmp(&b.side)));
@@ -168,6 +186,15 @@ impl Played {
 
     /// The pose at a time, its planted points still.
     pub fn pose_at(&self, body: &Body, anatomy: &Anatomy, terrain: &Terrain, time: f64) -> BodyPose {
+        let pose = self.held_pose(body, anatomy, terrain, time);
+        match &self.laid {
+            Some(laid) => laid.pose(body, anatomy, &pose, time),
+            None => pose,
+        }
+    }
+
+    /// The run's pose at a time, its planted points still.
+    fn held_pose(&self, body: &Body, anatomy: &Anatomy, terrain: &Terrain, time: f64) -> BodyPose {
         self.held_at(body, anatomy, terrain, time).0
     }
 

@@ -2,10 +2,13 @@
 //!
 //! The stepper has no part in it.
 
+use super::over::Course;
 use super::{Played, Run};
+use crate::bake::base::{Base, Over, Stood};
 use crate::bake::perform::{Performance, check, style};
 use crate::bake::ragdoll::{self, Driven, Helped};
 use crate::bake::timeline::Timeline;
+use crate::bake::unplayed::unplayed;
 use crate::bake::{BakeError, carried, pushes, throws};
 use crate::measure::KnownPush;
 use crate::model::scenario::Scenario;
@@ -13,6 +16,7 @@ use crate::model::{Body, Terrain};
 use crate::sim::{Ahead, ArticulatedOptions};
 use crate::whole_body::reaction::Personality;
 use crate::whole_body::{Anatomy, stand};
+use std::sync::Arc;
 
 /// Runs the scenario on a body with at most that help.
 pub fn perform(
@@ -20,10 +24,28 @@ pub fn perform(
     scenario: &Scenario,
     seed: u64,
     (helped, ahead): (Helped, Ahead),
+    base: Option<&Arc<Base>>,
 ) -> Result<Performance, BakeError> {
-    let driven = driven(body, scenario, seed, (helped, ahead))?;
+    let unplayed = unplayed(scenario, base.map(Arc::as_ref));
+    if !unplayed.is_empty() {
+        return Err(BakeError::Unplayed { parts: unplayed.join(", ") });
+    }
     let anatomy = Anatomy::new(body);
+    let over = base.map(|base| Over::new(base, body, &anatomy, scenario)).transpose()?;
+    let stood = over.and_then(|over| match over {
+        Over::Stand(stood) => Some(*stood),
+        Over::Walk(_) => None,
+    });
+    if let Some(part) = stood.as_ref().and_then(|stood| stood.unplayed(&anatomy)) {
+        return Err(BakeError::Unplayed { parts: part.into() });
+    }
+    let driven = match &stood {
+        // A clip is not the same in the mirror.
+        Some(_) => run(body, scenario, seed, (helped, ahead), stood.as_ref())?,
+        None => driven(body, scenario, seed, (helped, ahead))?,
+    };
     let physique = stand::physique(body, &anatomy);
+    let physique = stood.as_ref().map_or(physique, |stood| stood.physique(&physique));
     let (carried, loads) = carried::carried(body, &anatomy, scenario);
     let known = pushes::known(body, scenario);
     let trace = driven.run.trace.clone();
@@ -35,12 +57,13 @@ pub fn perform(
     pushes.extend(balls.iter().filter_map(|ball| ball.hit).map(|hit| hit.push));
     pushes.sort_by(|a, b| a.start.total_cmp(&b.start));
     let terrain = Terrain::new(&scenario.ground);
-    let played = played(&driven, scenario.duration, (body, &anatomy), &terrain);
+    let played = played(&driven, (scenario.duration, &pushes), (body, &anatomy), &terrain, stood);
+    let over = played.over();
     let contacts = played.contacts();
     let (lost, com) = (trace.lost, trace.ticks[..=played.stands].iter().map(|tick| tick.com).collect());
     let mut timeline =
         Timeline::played(body, anatomy, (trace.dt, com), (&physique, &trace.start, &trace.steps), &terrain, played);
-    (timeline.carried, timeline.loads) = (carried, loads);
+    (timeline.carried, timeline.loads, timeline.over) = (carried, loads, over);
     Ok(Performance {
         timeline,
         trace,
@@ -60,12 +83,12 @@ pub fn perform(
 fn driven(body: &Body, scenario: &Scenario, seed: u64, help: (Helped, Ahead)) -> Result<Driven, BakeError> {
     let (scenario, mirrored) = scenario.to_the_left();
     if !mirrored {
-        return run(body, &scenario, seed, help);
+        return run(body, &scenario, seed, help, None);
     }
     let (image, twins) = body.mirrored();
     // Who is the same on both sides plays both himself: what his file rounds would grow in a run.
     let player = if body.is_alike(&image) { body } else { &image };
-    let driven = run(player, &scenario, seed, help).map_err(in_the_mirror)?;
+    let driven = run(player, &scenario, seed, help, None).map_err(in_the_mirror)?;
     Ok(Driven { run: driven.run.mirrored(&twins), ..driven })
 }
 
@@ -82,7 +105,13 @@ fn in_the_mirror(error: BakeError) -> BakeError {
 }
 
 /// The run of a scenario as it is.
-fn run(body: &Body, scenario: &Scenario, seed: u64, (helped, ahead): (Helped, Ahead)) -> Result<Driven, BakeError> {
+fn run(
+    body: &Body,
+    scenario: &Scenario,
+    seed: u64,
+    (helped, ahead): (Helped, Ahead),
+    stood: Option<&Stood>,
+) -> Result<Driven, BakeError> {
     let anatomy = Anatomy::new(body);
     let physique = stand::physique(body, &anatomy);
     let (carried, loads) = carried::carried(body, &anatomy, scenario);
@@ -99,11 +128,17 @@ fn run(body: &Body, scenario: &Scenario, seed: u64, (helped, ahead): (Helped, Ah
     };
     let known = pushes::known(body, scenario);
     let tosses = throws::tosses(scenario, seed);
-    ragdoll::run(body, &anatomy, &physique, scenario, &options, &known, &tosses, (&carried, &loads), helped)
+    ragdoll::run(body, &anatomy, &physique, scenario, &options, &known, &tosses, (&carried, &loads), helped, stood)
 }
 
 /// The run up to the clip's end; a fall that begins before it goes on until the body lies.
-fn played(driven: &Driven, duration: f64, (body, anatomy): (&Body, &Anatomy), terrain: &Terrain) -> Played {
+fn played(
+    driven: &Driven,
+    (duration, pushes): (f64, &[KnownPush]),
+    (body, anatomy): (&Body, &Anatomy),
+    terrain: &Terrain,
+    stood: Option<Stood>,
+) -> Played {
     let run = &driven.run;
     let dt = run.trace.dt;
     let whole = (duration / dt).round().max(0.0) as usize;
@@ -111,5 +146,10 @@ fn played(driven: &Driven, duration: f64, (body, anatomy): (&Body, &Anatomy), te
     let falls = run.trace.lost.is_some_and(|lost| lost <= duration);
     let last = if falls { run.poses.len() } else { stands + 1 };
     let input = Run { body, anatomy, terrain, dt, pressed: &run.pressed, stood: &run.stood, joints: &run.joints };
-    Played::new(&input, run.poses[..last].to_vec(), stands)
+    let played = Played::new(&input, run.poses[..last].to_vec(), stands);
+    let Some(stood) = stood else { return played };
+    let struck = pushes.iter().map(|push| push.start).fold(f64::INFINITY, f64::min);
+    let landed = run.trace.steps.iter().map(|step| step.land).fold(0.0, f64::max);
+    let busy = pushes.iter().map(|push| push.end).fold(landed, f64::max);
+    played.over_stand(&input, stood, &Course { struck, busy, stands: !falls })
 }
