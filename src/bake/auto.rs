@@ -21,6 +21,8 @@ const PLAUSIBLE: f64 = 0.95;
 
 /// Degrees and mm: a clip that ends farther from its base clip has not come back to it.
 const HOME: (f64, f64) = (1.0, 5.0);
+/// mm from the run: a clip of the ragdoll that is farther from it over a base clip is led back to that, not played.
+const LED: f64 = 60.0;
 
 /// Why a drive was chosen.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,6 +98,9 @@ fn better(stepper: Baked, ragdoll: Result<Baked, BakeError>, scenario: &Scenario
         }
         _ if is_home(&stepper) && !is_home(&ragdoll) => {
             stepper.chosen("the ragdoll does not come back to the base clip".into(), Some(scores.1))
+        }
+        _ if ragdoll.report.base.is_some() && ragdoll.report.drift.is_some_and(|drift| drift.position_mm > LED) => {
+            stepper.chosen("the ragdoll is led back to the base clip, farther than its run goes".into(), Some(scores.1))
         }
         _ if touched(scenario) => ragdoll.chosen(TOUCHED.into(), Some(scores.0)),
         _ if scores.1 > scores.0 => ragdoll.chosen("its clip is the more plausible".into(), Some(scores.0)),
