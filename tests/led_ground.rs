@@ -124,7 +124,7 @@ fn slopes_to_25_degrees_are_stood_on_without_a_step() {
         })
         .collect();
     for (name, clip) in &clips {
-        assert_eq!(clip.report.outcome, Outcome::Still, "{name}");
+        assert!(clip.report.outcome != Outcome::Fall && clip.report.steps == 0, "{name}: {:?}", clip.report.outcome);
         sound(name, clip);
     }
 }
