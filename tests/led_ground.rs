@@ -212,3 +212,39 @@ fn uneven_ground_is_walked_and_stood_on() {
         sound(name, clip);
     }
 }
+
+#[test]
+fn gaps_are_stepped_over() {
+    let mut rigs = vec![(builtin(), 1.0), (builtin(), 1.3)];
+    if let Some(folder) = data::more() {
+        for name in ["gdquest_mannequiny.glb", "m2m_rig_human.glb"] {
+            rigs.push((surefoot::rig::load(&folder.join("rigs").join(name)).expect("the rig loads"), 1.0));
+        }
+    }
+    let clips: Vec<(String, f64, Baked)> = (0..20u64)
+        .into_par_iter()
+        .map(|seed| {
+            let mut draw = Seed::new(seed ^ 0x9A95);
+            let (rig, legs) = &rigs[seed as usize % rigs.len()];
+            let (width, apart) = (draw.between(0.1, 0.2), draw.between(0.9 * legs, 1.5 * legs));
+            let pace = draw.between(0.4, 0.6) * f64::sqrt(*legs);
+            let ground = format!("[ground]\nkind = \"gaps\"\nwidth = {width:.3}\nspacing = {apart:.3}");
+            let character = format!("[character]\nleg_scale = {legs}");
+            let text = format!("title = \"gaps\"\nduration = 20.0\n{ground}\n{character}\n{}", walk(pace));
+            let name = format!("{seed}: {width:.3} m every {apart:.2} m at {pace:.2} m/s, legs {legs}");
+            (name, pace, baked(rig, &text, seed))
+        })
+        .collect();
+    let stands = |clip: &Baked| clip.report.outcome != Outcome::Fall;
+    for (name, pace, clip) in &clips {
+        let report = &clip.report;
+        println!("{name}: {:?}, score {:.2}", report.outcome, report.plausibility.score);
+        if stands(clip) {
+            assert!((speed(clip) / pace - 1.0).abs() < 0.1, "{name}: {:.2} m/s", speed(clip));
+            sound(name, clip);
+        }
+    }
+    let standing = clips.iter().filter(|(.., clip)| stands(clip)).count();
+    println!("{standing} of {} keep their feet", clips.len());
+    assert!(standing + 1 >= clips.len(), "{standing} of {}", clips.len());
+}

@@ -213,6 +213,14 @@ fn what_it_cannot_play_is_named_and_never_left_out() {
             "[ground]\nkind = 'stairs'\nrise = 0.17\ntread = 0.3\n[[walk]]\nstart = 0.5\nspeed = 0.5",
             "ground with edges",
         ),
+        (
+            "[ground]\nkind = 'gaps'\nwidth = 0.25\nspacing = 1.2\n[[walk]]\nstart = 0.5\nspeed = 0.5",
+            "gaps of more than 0.2 m",
+        ),
+        (
+            "[ground]\nkind = 'gaps'\nwidth = 0.2\nspacing = 1.2\n[[walk]]\nstart = 0.5\nspeed = 0.5\nfacing = 180",
+            "straight ahead",
+        ),
         ("[[crouch]]\nstart = 0.5\namount = 0.1\n[[turn]]\nstart = 0.5\nfacing = 90", "[[crouch]] beside"),
         ("[[crouch]]\nstart = 0.5\namount = 0.5", "[[crouch]]"),
         ("[character]\ncrouch = 0.5", "[character] crouch"),

@@ -24,8 +24,14 @@ const SLOWER: [f64; 2] = [0.8, 0.6];
 /// rad, about either axis: a platform may tilt by as much; m/s: and be walked on as fast.
 const TILTS: f64 = 12.0_f64.to_radians();
 const ABOARD: f64 = 0.3;
-/// rad, by which a tilt may be over that for what its degrees were rounded to.
+/// By which a tilt (rad), or a length or speed, may be over that for what it was rounded to.
 const ROUNDED: f64 = 1e-9;
+
+/// m at legs of usual length: gaps so wide are walked over, so far from one to the next; m/s: at such speeds; rad: so straight.
+const WIDEST: f64 = 0.2 + ROUNDED;
+const APART: f64 = 0.9 - ROUNDED;
+const CROSSES: [f64; 2] = [0.4 - ROUNDED, 0.6 + ROUNDED];
+const ASLANT: f64 = 2.0_f64.to_radians();
 
 const EDGED: [&str; 4] = [
     "[[walk]] on ground with edges",
@@ -51,6 +57,7 @@ pub(super) fn unplayed(scenario: &Scenario, base: Option<&Base>) -> Vec<&'static
             parts.add(fast, "[[walk]] at more than 0.6 m/s on uneven ground");
         }
         GroundKind::Platform { ref pitch, ref roll } => on_platform(scenario, [pitch, roll], &mut parts),
+        GroundKind::Gaps { width, spacing } => on_gaps(scenario, [width, spacing], &mut parts),
         _ => on_edges(scenario, &mut parts),
     }
     let [walks, turns, stands] = [!scenario.walk.is_empty(), !scenario.turn.is_empty(), !scenario.stand.is_empty()];
@@ -121,7 +128,24 @@ fn on_platform(scenario: &Scenario, tilts: [&[[f64; 2]]; 2], parts: &mut Parts) 
     }
 }
 
-/// Stairs, gaps, a mesh.
+/// The first gap is a metre ahead: who does not walk stands on level ground.
+fn on_gaps(scenario: &Scenario, [width, spacing]: [f64; 2], parts: &mut Parts) {
+    let size = scenario.character.leg_scale;
+    let walks = |cannot: &dyn Fn(&Walk) -> bool| scenario.walk.iter().any(|walk| walk.speed > 0.0 && cannot(walk));
+    let turned = |walk: &Walk| walk.heading.abs().max(walk.facing.unwrap_or(walk.heading).abs()) > ASLANT;
+    let pace = size.sqrt();
+    let fast = |walk: &Walk| !(CROSSES[0] * pace..=CROSSES[1] * pace).contains(&walk.speed);
+    parts.add(walks(&|_| width > WIDEST), "[[walk]] over gaps of more than 0.2 m");
+    parts.add(walks(&|_| spacing < APART * size), "[[walk]] over gaps less than 0.9 m from one to the next");
+    parts.add(walks(&|_| size < 1.0), "[[walk]] over gaps on shortened legs");
+    parts.add(walks(&fast), "[[walk]] over gaps at less than 0.4 or more than 0.6 m/s");
+    parts.add(walks(&turned), "[[walk]] over gaps that does not go and face straight ahead");
+    let walks = walks(&|_| true);
+    parts.add(walks && !scenario.turn.is_empty(), "[[turn]] beside [[walk]] over gaps");
+    parts.add(walks && !scenario.stand.is_empty(), "[[stand]] beside [[walk]] over gaps");
+}
+
+/// Stairs, a mesh.
 fn on_edges(scenario: &Scenario, parts: &mut Parts) {
     lanes(scenario, parts, EDGED);
 }

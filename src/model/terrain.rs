@@ -94,6 +94,38 @@ impl Terrain {
         Terrain::new(&Ground::default())
     }
 
+    /// Is it level ground with gaps across?
+    pub fn has_gaps(&self) -> bool {
+        matches!(self.kind, GroundKind::Gaps { .. })
+    }
+
+    /// m, from where to where, along z, the tread reaches that has that z, or the ground between two gaps that is nearest to it; `None` where
+    /// there is no such thing.
+    pub fn floor(&self, z: f64) -> Option<[f64; 2]> {
+        match self.kind {
+            GroundKind::Stairs { tread, count, .. } => {
+                let number = ((z - FIRST) / tread).floor();
+                let (first, last) = (number < 0.0, number >= f64::from(count) - 1.0);
+                let from = if first { f64::NEG_INFINITY } else { FIRST + number.min(f64::from(count) - 1.0) * tread };
+                let to = if first {
+                    FIRST
+                } else if last {
+                    f64::INFINITY
+                } else {
+                    FIRST + (number + 1.0) * tread
+                };
+                Some([from, to])
+            }
+            GroundKind::Gaps { width, spacing } => {
+                // solid ground number 0 ends where the first gap begins
+                let number = ((z - FIRST - 0.5 * width) / spacing).floor() + 1.0;
+                let from = if number < 0.5 { f64::NEG_INFINITY } else { FIRST + width + (number - 1.0) * spacing };
+                Some([from, if number < 0.5 { FIRST } else { FIRST + number * spacing }])
+            }
+            _ => None,
+        }
+    }
+
     /// Is it the plane y = 0 for good?
     pub fn is_flat(&self) -> bool {
         self.kind == GroundKind::Flat

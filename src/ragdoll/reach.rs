@@ -20,6 +20,9 @@ const HEEDS: f64 = 0.04;
 const LONG: [f64; 2] = [0.45, 0.75];
 const BROAD: f64 = 0.1;
 
+/// m, as how much lifted what is over a gap counts: more than any foot.
+pub(super) const OVER: f64 = 1e3;
+
 /// How a sole is to lie.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sole {
@@ -103,10 +106,16 @@ impl Controller {
         let stiff = figure.stiff_sole(side).len();
         let heights = corners.map(|corner| (wanted * corner).dot(normal));
         let lowest = heights[..stiff].iter().copied().fold(f64::INFINITY, f64::min);
-        let lifted = heights.map(|height| (height - lowest).max(0.0));
+        let mut lifted = heights.map(|height| (height - lowest).max(0.0));
         // It turns about what is lowest now and stays so.
         let at: [DVec3; POINTS] =
             std::array::from_fn(|index| figure.carried(&self.states, side, index, corners[index]));
+        // What is over a gap bears nothing.
+        for (at, lifted) in at.iter().zip(&mut lifted).filter(|_| terrain.has_gaps()) {
+            if !terrain.spot(flat(*at)).holds {
+                *lifted = OVER;
+            }
+        }
         let over: [f64; POINTS] = std::array::from_fn(|index| {
             let height = at[index].y - terrain.spot(flat(at[index])).height;
             if index < stiff { height + lifted[index] } else { f64::INFINITY }

@@ -5,13 +5,14 @@ use super::figure::Figure;
 use super::flat;
 use super::guide;
 use super::plan::{self, Situation};
+use super::reach::OVER;
 use super::swing::{self, Reference};
 use crate::maths::hull::{closest_point, convex_hull, shrink, signed_distance};
 use crate::maths::pendulum::GRAVITY;
 use crate::maths::quat::wrap_angle;
 use crate::maths::real;
 use crate::model::{Side, Terrain};
-use glam::{DVec2, DVec3};
+use glam::{DQuat, DVec2, DVec3};
 
 /// s, for how long after an unhurried step only what leaves the soles is a fall: the time to take weight on the foot that landed.
 const EASED: f64 = 0.5;
@@ -25,6 +26,8 @@ const HOME: f64 = 0.06;
 const FARTHEST: f64 = 0.25;
 const QUICK: f64 = 0.36;
 const SHIFTS: f64 = 0.5;
+/// m at legs of 0.83 m, that soles keep from edges in steps against a fall.
+const EDGE: f64 = 0.01;
 /// Share of a step against a fall at which its foot is over its place.
 const ARRIVES: f64 = 0.95;
 
@@ -41,7 +44,7 @@ impl Controller {
 
     /// m, around the soles of the feet that stand, (x, z).
     pub(super) fn hull(&self, figure: &Figure) -> Vec<DVec2> {
-        self.hull_of(figure, f64::INFINITY)
+        self.hull_of(figure, OVER)
     }
 
     /// m, around what of them can bear, (x, z).
@@ -168,12 +171,27 @@ impl Controller {
         }
     }
 
+    /// m, the place nearest to that one, along z, where a foot's sole is off the edges of gaps.
+    fn off_edges(&self, figure: &Figure, terrain: &Terrain, side: Side, ankle: DVec2, yaw: f64) -> DVec2 {
+        let turn = DQuat::from_rotation_y(yaw);
+        let span = figure.soles[side as usize].iter().map(|corner| (turn * *corner).z);
+        let [rear, front] = span.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)]);
+        let Some([from, to]) = terrain.floor(ankle.y + 0.5 * (rear + front)) else { return ankle };
+        let (low, high) = (from - rear + EDGE * self.size, to - front - EDGE * self.size);
+        DVec2::new(ankle.x, if low <= high { ankle.y.clamp(low, high) } else { 0.5 * (low + high) })
+    }
+
     /// One tick more of a swing's reference, towards its target.
     pub(super) fn carry_on(&mut self, figure: &Figure, mut swing: Swing, terrain: &Terrain, down: bool, dt: f64) {
         let passed = self.time - swing.start;
         let left = (swing.time - passed).max(0.0);
         swing.yaw += wrap_angle(self.foot_heading(swing.side) - swing.yaw) * (dt / (left + dt)).min(1.0);
         let stands = swing.target - self.ahead(swing.side, swing.yaw);
+        let stands = if self.guided || !terrain.has_gaps() {
+            stands
+        } else {
+            self.off_edges(figure, terrain, swing.side, stands, swing.yaw)
+        };
         let goal = stands + slant(figure, terrain, stands);
         // Off the ground before it travels.
         let [rise, arrives] = if self.guided { guide::TRAVELS } else { [self.tuning.rise, ARRIVES] };

@@ -11,6 +11,9 @@ use glam::{DVec2, DVec3};
 
 /// m/s on legs of 0.83 m, the fastest walk: faster, balance is kept for less than a minute.
 pub const FASTEST: f64 = 1.3;
+/// Times the usual, how high feet go on ground with gaps: of 25 seeded walks without search 18 keep their feet, as high as usual 9. A foot
+/// that a long step has left behind a gap catches on the ground otherwise.
+const HIGHER: f64 = 2.0;
 /// s before a foot leaves, from when on the other one takes its weight.
 const SOON: f64 = 0.03;
 /// s for which the law must have been at ease before the plan leads again out of a stand, at legs of 0.83 m.
@@ -103,7 +106,7 @@ impl Pilot {
             ankle: DVec2::new(swing.to.ankle.x, swing.to.ankle.z),
             yaw: swing.to.yaw - course.start[swing.side as usize].yaw,
             left: swing.land - state.time,
-            lift: params.lift_height,
+            lift: params.lift_height * if course.terrain.has_gaps() { HIGHER } else { 1.0 },
             height: follow::held_height(params, state),
         });
         let gait = &state.gait;

@@ -41,7 +41,7 @@ pub fn tick(
     }
     stand::hold(params, physique, terrain, state, inputs, dt);
     decide::replan(params, physique, terrain, state, dt);
-    if let Some(cop) = roll::pressure(params, physique, state, dt) {
+    if let Some(cop) = roll::pressure(params, physique, terrain, state, dt) {
         state.cop = cop;
     } else {
         let one = stand::pressure(params, physique, state);

@@ -212,7 +212,7 @@ pub fn replan(params: &Params, physique: &Physique, terrain: &Terrain, state: &m
     let wanted = if swing.kind == StepKind::Corrective {
         corrective(params, physique, state, swing.side, swing.passing, (left_over, whole)).plant
     } else if swing.kind == StepKind::Walk {
-        let (footfall, land) = footfall::replan(params, physique, state, &swing, dt);
+        let (footfall, land) = footfall::replan(params, physique, terrain, state, &swing, dt);
         (swing.land, state.gait.until, swing.off) = (land, land, footfall.off);
         footfall.plant
     } else {

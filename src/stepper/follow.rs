@@ -46,6 +46,7 @@ impl Params {
             step_width: 1.2 * own.step_width,
             stumble: [0.15 * own.size, 0.05 * own.size],
             even: 0.7, // with all of it a body limps: every step makes up for the one before, too much
+            fits: true,
             midair: 0.03 * own.size,
             wide: [0.3 * own.size, 0.5 * own.size],
             most_across: -own.step_gap, // a body's foot goes straight: across, it would go through the other leg
@@ -87,7 +88,7 @@ pub fn follow(
     stand::hold(params, physique, terrain, state, inputs, dt);
     decide::replan(params, physique, terrain, state, dt);
     give_up(params, state);
-    match roll::pressure(params, physique, state, dt) {
+    match roll::pressure(params, physique, terrain, state, dt) {
         Some(cop) => state.cop = cop,
         None => {
             let wanted = stand::pressure(params, physique, state);

@@ -5,7 +5,7 @@ use super::control::wrap;
 use super::gait::{self, Rhythm};
 use super::{Params, Physique, Plant, State, Swing, footing, ground, pace, support, swing, turn, walk};
 use crate::maths::pendulum;
-use crate::model::Side;
+use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
 
 /// A planned landing.
@@ -26,11 +26,15 @@ pub struct Footfall {
 pub fn plan(
     params: &Params,
     physique: &Physique,
+    terrain: &Terrain,
     state: &State,
     side: Side,
     (wait, time): (f64, f64),
     least: (f64, f64),
 ) -> Footfall {
+    if fits(params, terrain, state) {
+        return fitted(params, physique, terrain, state, side, (wait, time), least);
+    }
     let rhythm = walk::rhythm_now(params, physique, state);
     let mut best = landing(params, physique, state, &rhythm, side, (wait, time));
     if best.off < 0.02 * params.size || !params.rolls && wait + time <= least.0 + least.1 {
@@ -49,18 +53,109 @@ pub fn plan(
     best
 }
 
+/// Are steps timed so that they land off the edges of the ground?
+pub fn fits(params: &Params, terrain: &Terrain, state: &State) -> bool {
+    params.fits && terrain.has_gaps() && !state.gait.spot
+}
+
+/// m of the reference body: a landing over a gap, and one before it, are that far apart at least; which it is is chosen before the foot leaves.
+const ELSEWHERE: f64 = 0.1;
+/// What a landing counts beside how far it is from where it is wanted: m of the reference body for a step's time that it is later or
+/// sooner than usual, and m for each that it is wider than usual.
+const UNTIMELY: f64 = 0.3;
+const WIDER: f64 = 0.5;
+/// m of the reference body, the widest landing of such a step: one on the way over a gap is late, and what is late falls to the side.
+const WIDEST: f64 = 0.4;
+/// Share of a leg's reach within which such a step lands.
+const WITHIN: f64 = 0.8;
+/// s of the reference body: its longest swing, and between the times that are looked at.
+const LONGEST: f64 = 0.8;
+const BETWEEN: f64 = 0.02;
+/// Share of its delay, and s of the reference body at most, for which both feet stay down.
+const WAITS: f64 = 0.3;
+const WAITS_MOST: f64 = 0.15;
+/// m of the reference body, so far from where it is wanted a landing may be: the ankles make up for it.
+const EASY: f64 = 0.1;
+
+/// The landing on ground with gaps: at the time, sooner or later, at which what is wanted is nearest to where the whole sole is held. ξ
+/// runs away from the foot that stands, so a later step is a longer one.
+fn fitted(
+    params: &Params,
+    physique: &Physique,
+    terrain: &Terrain,
+    state: &State,
+    side: Side,
+    (wait, time): (f64, f64),
+    least: (f64, f64),
+) -> Footfall {
+    let rhythm = walk::rhythm_now(params, physique, state);
+    let by = state.feet[side.other() as usize];
+    let swing = state.swing.filter(|swing| swing.side == side);
+    let gone = swing.map_or(0.0, |swing| state.time - swing.lift);
+    let usual = wait + (rhythm.step - rhythm.double - gone).max(0.0);
+    let held = |times: (f64, f64)| {
+        let found = landing(params, physique, state, &rhythm, side, times);
+        let ankle = ground(found.plant.ankle);
+        let lands = state.time + times.0 + times.1;
+        let there = footing::set_down_by(terrain, physique, &by, ankle, (found.plant.yaw, lands));
+        let elsewhere = |swing: &Swing| ground(swing.to.ankle).distance(ground(there.ankle)) > ELSEWHERE * params.size;
+        let plant = swing.filter(elsewhere).map_or(there, |swing| swing.to);
+        let com = touchdown(params, physique, state, &rhythm, (side, state.cop), times).0;
+        let far = (ground(plant.ankle).distance(com) - WITHIN * params.reach).max(0.0);
+        Footfall { plant, off: found.off + ground(plant.ankle).distance(ankle) + far, ..found }
+    };
+    let price = |found: &Footfall| {
+        let beside = (ground(found.plant.ankle) - ground(by.ankle)).dot(state.aside()) * side.sign();
+        let late = (found.wait + found.time - usual).abs() / rhythm.step;
+        let wide = if beside > WIDEST * params.size { 1.0 + beside } else { 0.0 };
+        found.off + UNTIMELY * params.size * late + WIDER * (beside - rhythm.width).abs() + wide
+    };
+    let whole = wait + time;
+    let mut best = held((wait, time));
+    if least.0 + least.1 < whole {
+        let first = (least.0.min(wait) + least.1).min(whole);
+        let last = wait + (LONGEST * params.tempo - gone).max(time);
+        let step = BETWEEN * params.tempo;
+        for number in 0..=((last - first) / step).clamp(0.0, 60.0) as usize {
+            let lands = first + step * number as f64;
+            let lifts = if lands < whole {
+                (wait * lands / whole).max(least.0.min(wait))
+            } else if wait > 0.0 {
+                wait + (WAITS * (lands - whole)).min(WAITS_MOST * params.tempo)
+            } else {
+                wait
+            };
+            let found = held((lifts, lands - lifts));
+            if price(&found) < price(&best) {
+                best = found;
+            }
+        }
+    }
+    best.off = (best.off - EASY * params.size).max(0.0);
+    best
+}
+
 /// s, a swing of the gait takes no less: one that turns on the spot is not in a hurry.
 pub fn least_swing(params: &Params, state: &State) -> f64 {
     if state.gait.spot { params.least_swing.max(0.33 * params.tempo) } else { params.least_swing }
 }
 
 /// The swing in the air, aimed again: its landing and when that is.
-pub fn replan(params: &Params, physique: &Physique, state: &State, swing: &Swing, dt: f64) -> (Footfall, f64) {
+pub fn replan(
+    params: &Params,
+    physique: &Physique,
+    terrain: &Terrain,
+    state: &State,
+    swing: &Swing,
+    dt: f64,
+) -> (Footfall, f64) {
     let gone = state.time - swing.lift;
     let least = (least_swing(params, state) - gone).max(2.0 * dt);
-    let footfall = plan(params, physique, state, swing.side, (0.0, (swing.land - state.time).max(0.0)), (0.0, least));
+    let footfall =
+        plan(params, physique, terrain, state, swing.side, (0.0, (swing.land - state.time).max(0.0)), (0.0, least));
     let ticks = (footfall.time / dt).ceil().max(1.0);
-    let sooner = (swing.land - state.time - ticks * dt).clamp(0.0, 2.0 * dt);
+    let later = if fits(params, terrain, state) { -2.0 * dt } else { 0.0 };
+    let sooner = (swing.land - state.time - ticks * dt).clamp(later, 2.0 * dt);
     (footfall, swing.land - (sooner / dt).round() * dt)
 }
 

@@ -66,28 +66,7 @@ fn held(terrain: &Terrain, physique: &Physique, ankle: DVec2, yaw: f64) -> DVec2
     let (one, two) = (toe * physique.heel, toe * physique.tip);
     let (rear, front) = (one.min(two) - wide - EDGE, one.max(two) + wide + EDGE);
     let middle = ankle.y + 0.5 * (rear + front);
-    let (from, to) = match terrain.kind {
-        GroundKind::Stairs { tread, count, .. } => {
-            let number = ((middle - FIRST) / tread).floor();
-            let (first, last) = (number < 0.0, number >= f64::from(count) - 1.0);
-            let from = if first { f64::NEG_INFINITY } else { FIRST + number.min(f64::from(count) - 1.0) * tread };
-            let to = if first {
-                FIRST
-            } else if last {
-                f64::INFINITY
-            } else {
-                FIRST + (number + 1.0) * tread
-            };
-            (from, to)
-        }
-        GroundKind::Gaps { width, spacing } => {
-            // solid ground number 0 ends where the first gap begins
-            let number = ((middle - FIRST - 0.5 * width) / spacing).floor() + 1.0;
-            let from = if number < 0.5 { f64::NEG_INFINITY } else { FIRST + width + (number - 1.0) * spacing };
-            (from, if number < 0.5 { FIRST } else { FIRST + number * spacing })
-        }
-        _ => return ankle,
-    };
+    let Some([from, to]) = terrain.floor(middle) else { return ankle };
     let (low, high) = (from - rear, to - front);
     if low <= high {
         return DVec2::new(ankle.x, ankle.y.clamp(low, high));

@@ -117,6 +117,7 @@ pub struct Params {
     pub step_gap: f64,     // m, between the ankles of feet that pass each other
     pub stumble: [f64; 2], // m, a wanted landing so far out of reach wants a corrective step; the same soon after a shove
     pub midair: f64,       // m, the same of a step in the air soon after a shove
+    pub fits: bool,        // steps are timed so that they land off the edges of gaps
     pub even: f64,         // share that is kept of what makes a step unlike the last ones
     pub wide: [f64; 2],    // m, steps wider than so are no walk: at its beginning on the move, and on its way
     pub brief: f64,        // s, the swings of the first and the last step are no longer than so
@@ -229,6 +230,7 @@ impl Params {
             stumble: [dial(1.2, 1.0, 0.65) * size; 2],
             midair: f64::INFINITY, // a foot of the pendulum's is where it is planned
             even: 1.0,
+            fits: false,
             wide: [f64::INFINITY; 2],
             least_swing: dial(0.34, 0.28, 0.20) * tempo,
             brief: 0.45 * tempo,

@@ -6,11 +6,11 @@ use super::support::{Support, Tread};
 use super::walk::{Phase, omega, rhythm_now};
 use super::{Params, Physique, State, StepKind, footfall, ground, pace, support, turn};
 use crate::maths::real;
-use crate::model::Side;
+use crate::model::{Side, Terrain};
 use glam::DVec2;
 
 /// The centre of pressure during this tick; `None` where the gait is not in charge of it.
-pub fn pressure(params: &Params, physique: &Physique, state: &mut State, dt: f64) -> Option<DVec2> {
+pub fn pressure(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut State, dt: f64) -> Option<DVec2> {
     let gait = state.gait;
     let stance = state.feet[gait.side.other() as usize];
     let toe = support::forward(stance.yaw);
@@ -29,8 +29,10 @@ pub fn pressure(params: &Params, physique: &Physique, state: &mut State, dt: f64
     let end = ground(stance.ankle) + toe * rhythm.roll[usize::from(single)];
     let now = gait.from.lerp(end, along(state.time));
     let left_over = (gait.until - state.time).max(0.0);
-    let times = if single { (0.0, left_over) } else { (left_over, rhythm.step - rhythm.double) };
-    let wanted = feedback(params, physique, state, &rhythm, now, times);
+    let planned = state.gait.next.filter(|_| footfall::fits(params, terrain, state));
+    let swings = planned.map_or(rhythm.step - rhythm.double, |(_, time)| time);
+    let times = if single { (0.0, left_over) } else { (left_over, swings) };
+    let wanted = feedback(params, physique, terrain, state, &rhythm, now, times);
     let shift = gait.shift + (wanted - gait.shift) * (1.0 - real::exp(-dt / params.lag));
     state.gait.shift = shift;
     let half = along(state.time + 0.5 * dt);
@@ -47,6 +49,7 @@ pub fn pressure(params: &Params, physique: &Physique, state: &mut State, dt: f64
 fn feedback(
     params: &Params,
     physique: &Physique,
+    terrain: &Terrain,
     state: &State,
     rhythm: &Rhythm,
     now: DVec2,
@@ -56,7 +59,19 @@ fn feedback(
     let omega = omega(params, physique);
     let (com, velocity) = footfall::touchdown(params, physique, state, rhythm, (gait.side, now), (wait, time));
     let xi = com + velocity / omega;
-    let mut error = xi - steady_xi(params, physique, state, rhythm, gait.side, wait + time);
+    let suits = steady_xi(params, physique, state, rhythm, gait.side, wait + time);
+    let planned = state.swing.map(|swing| ground(swing.to.ankle)).or(gait.next.map(|next| next.0));
+    let suits = match planned.filter(|_| footfall::fits(params, terrain, state)) {
+        Some(ankle) => {
+            // as far as that landing, and as wide as a steady one: a late step would be ever wider
+            let rear = ground(state.feet[gait.side.other() as usize].ankle);
+            let steady = rear + pace::aimed(state) * rhythm.step + state.aside() * (gait.side.sign() * rhythm.width);
+            let ankle = ankle - state.aside() * (ankle - steady).dot(state.aside());
+            footfall::pivot(params, physique, state, rhythm, gait.side, wait + time).xi_for(rear, ankle)
+        }
+        None => suits,
+    };
+    let mut error = xi - suits;
     if gait.last {
         let stance = ground(state.feet[gait.side.other() as usize].ankle);
         let middle = stance + state.aside() * (0.5 * gait.side.sign() * params.width);

@@ -70,6 +70,8 @@ pub struct Gait {
     pub grade: f64,
     /// m, by how much steps are longer than planned, in the mean of the last ones.
     pub longer: f64,
+    /// m, where the foot that leaves next is to land, (x, z), and s, how long it then swings; where steps are timed to land off edges.
+    pub next: Option<(DVec2, f64)>,
     /// The speed that is held.
     pub pace: Pace,
 }
@@ -98,6 +100,7 @@ impl Gait {
             rise: 0.0,
             grade: 0.0,
             longer: 0.0,
+            next: None,
             pace: Pace::default(),
         }
     }
@@ -130,6 +133,9 @@ pub fn steer(params: &Params, physique: &Physique, terrain: &Terrain, state: &mu
     gait.lasting += (force - gait.lasting) * (1.0 - real::exp(-dt / (slow * params.tempo)));
 }
 
+/// m of the reference body, the same as [`stumble`] where steps are fitted to the ground: who gives up there steps into a gap.
+const STUMBLES: f64 = 0.3;
+
 /// With both feet down: is the gait in charge? It may lift a foot.
 pub fn both_down(
     params: &Params,
@@ -143,7 +149,7 @@ pub fn both_down(
     match state.gait.phase {
         Phase::Rest if !go => return (false, None),
         Phase::Rest => {
-            if !begin(params, physique, state, inputs) {
+            if !begin(params, physique, terrain, state, inputs) {
                 return (false, None);
             }
         }
@@ -164,14 +170,16 @@ pub fn both_down(
         }
     } else {
         let least = ((params.double_support - state.settled).max(0.0), footfall::least_swing(params, state));
-        let footfall = footfall::plan(params, physique, state, state.gait.side, (left_over, single), least);
+        let footfall = footfall::plan(params, physique, terrain, state, state.gait.side, (left_over, single), least);
         let wide = breadth(params, physique, state, inputs, (state.gait.side, &footfall)) > params.wide[1];
-        if wide || footfall.off > stumble(params, state) {
+        let fits = footfall::fits(params, terrain, state);
+        if wide || footfall.off > if fits { STUMBLES * params.size } else { stumble(params, state) } {
             state.gait.phase = Phase::Rest;
             return (false, None);
         }
         single = footfall.time;
-        if footfall.wait < left_over - 0.5 * dt {
+        state.gait.next = fits.then_some((ground(footfall.plant.ankle), footfall.time));
+        if (footfall.wait - left_over).abs() > 0.5 * dt {
             state.gait.until = state.time + (footfall.wait / dt).round() * dt;
         }
     }
@@ -217,7 +225,7 @@ fn goes(params: &Params, state: &State, inputs: &Inputs) -> bool {
 }
 
 /// Enters the gait: from a stand by shifting the weight, on the move at once.
-fn begin(params: &Params, physique: &Physique, state: &mut State, inputs: &Inputs) -> bool {
+fn begin(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut State, inputs: &Inputs) -> bool {
     let lean = balance::steady_lean(physique, state);
     let rhythm = rhythm_now(params, physique, state);
     let moving = state.velocity.length() > 0.3 * params.size / params.tempo && state.settled < params.tempo;
@@ -226,8 +234,8 @@ fn begin(params: &Params, physique: &Physique, state: &mut State, inputs: &Input
         let times = (rhythm.double, rhythm.step - rhythm.double);
         let least = (params.double_support, params.least_swing);
         let next = state.last.map_or(gait.side, Side::other);
-        let [usual, other] =
-            [next, next.other()].map(|side| (side, footfall::plan(params, physique, state, side, times, least)));
+        let [usual, other] = [next, next.other()]
+            .map(|side| (side, footfall::plan(params, physique, terrain, state, side, times, least)));
         let least = usual.1.off.min(other.1.off);
         let (side, footfall) = if usual.1.off > other.1.off + 0.1 * params.size { other } else { usual };
         if least > stumble(params, state)
@@ -297,7 +305,7 @@ fn lift(
     let last = if state.gait.spot { turn::closes(physique, state, side) } else { slow && !goes(params, state, inputs) };
     enter(state, Phase::Single, side, ticks * dt);
     state.gait.last = last;
-    let to = footfall::plan(params, physique, state, side, (0.0, ticks * dt), (0.0, ticks * dt)).plant;
+    let to = footfall::plan(params, physique, terrain, state, side, (0.0, ticks * dt), (0.0, ticks * dt)).plant;
     let aim = ground(to.ankle);
     let beside = state.feet[side.other() as usize];
     let to = footing::set_down_by(terrain, physique, &beside, aim, (to.yaw, land));
