@@ -27,10 +27,11 @@ const ABOARD: f64 = 0.3;
 /// By which a tilt (rad), or a length or speed, may be over that for what it was rounded to.
 const ROUNDED: f64 = 1e-9;
 
-/// m at legs of usual length: gaps so wide are walked over, so far from one to the next; m/s: at such speeds; rad: so straight.
+/// m: gaps so wide are walked over, and (at legs of usual length) so far from one to the next; m/s at such legs, Froude-equal at others: at
+/// such speeds (of 74 seeded walks of 20 s six fell or stumbled, all of them faster); rad: so straight.
 const WIDEST: f64 = 0.2 + ROUNDED;
 const APART: f64 = 0.9 - ROUNDED;
-const CROSSES: [f64; 2] = [0.4 - ROUNDED, 0.6 + ROUNDED];
+const CROSSES: [f64; 2] = [0.4 - ROUNDED, 0.5 + ROUNDED];
 const ASLANT: f64 = 2.0_f64.to_radians();
 
 const EDGED: [&str; 4] = [
@@ -138,7 +139,7 @@ fn on_gaps(scenario: &Scenario, [width, spacing]: [f64; 2], parts: &mut Parts) {
     parts.add(walks(&|_| width > WIDEST), "[[walk]] over gaps of more than 0.2 m");
     parts.add(walks(&|_| spacing < APART * size), "[[walk]] over gaps less than 0.9 m from one to the next");
     parts.add(walks(&|_| size < 1.0), "[[walk]] over gaps on shortened legs");
-    parts.add(walks(&fast), "[[walk]] over gaps at less than 0.4 or more than 0.6 m/s");
+    parts.add(walks(&fast), "[[walk]] over gaps at less than 0.4 or more than 0.5 m/s");
     parts.add(walks(&turned), "[[walk]] over gaps that does not go and face straight ahead");
     let walks = walks(&|_| true);
     parts.add(walks && !scenario.turn.is_empty(), "[[turn]] beside [[walk]] over gaps");
