@@ -17,12 +17,12 @@ const STEADY: f64 = 0.05;
 const BACK: f64 = 2.0;
 
 /// The seven at what that draw says, each with a body of its own: `speeds` m/s, and degrees and m/s of slopes up and down.
-fn drawn<'b>(
-    bodies: &'b [(String, Rig, f64)],
+fn drawn(
+    bodies: &[(String, Rig, f64)],
     seed: u64,
     speeds: [f64; 2],
     slopes: [[f64; 2]; 2],
-) -> Vec<(Case, &'b (String, Rig, f64))> {
+) -> Vec<(Case, &(String, Rig, f64))> {
     let mut draw = Seed::new(seed);
     let speed = draw.between(speeds[0], speeds[1]);
     let slopes = slopes.map(|[most, fastest]| (draw.between(0.3 * most, most), draw.between(0.4, fastest)));

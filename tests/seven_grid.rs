@@ -6,10 +6,9 @@
 
 use glam::DVec3;
 use std::fmt::Write as _;
-use surefoot::bake::{BakeOptions, Baked, Drive, Helped, bake};
+use surefoot::bake::{BakeOptions, Baked, Drive, bake};
 use surefoot::model::report::Outcome;
 use surefoot::model::scenario_text;
-use surefoot::ragdoll::control::Assist;
 use surefoot::rig::mannequin::BUILTIN;
 use surefoot::rig::{Rig, load, load_bytes};
 
@@ -101,11 +100,6 @@ pub fn seven(speed: f64, [up, down]: [(f64, f64); 2], [impulse, lasting]: [f64; 
     ]
 }
 
-/// The articulated body by its own torques alone.
-pub fn body() -> Drive {
-    Drive::Ragdoll(Helped::Within(Assist::default()))
-}
-
 /// The built-in rig with ordinary, short and long legs, and the others where their files are.
 pub fn bodies(data: Option<std::path::PathBuf>) -> Vec<(String, Rig, f64)> {
     let alone = |_: &str| Err(std::io::Error::from(std::io::ErrorKind::NotFound));
@@ -181,7 +175,7 @@ pub fn walked(rig: &Rig, legs: f64, case: &Case, drive: Drive, more: &str, seed:
 fn speed_over(rig: &Rig, baked: &Baked, from: f64, until: f64) -> f64 {
     let steps = &baked.performance.trace.steps;
     let within = || steps.iter().filter(|step| step.land >= from && step.land <= until);
-    let Some(last) = within().last() else { return f64::NAN };
+    let Some(last) = within().next_back() else { return f64::NAN };
     let Some(first) = within().find(|step| step.side == last.side && step.land < last.land) else { return f64::NAN };
     let mut sampler = rig.sampler(&baked.clip);
     let mut at = |time: f64| sampler.sample(time).hips.z;

@@ -353,7 +353,7 @@ impl Run {
             let own = placed[parent].1.inverse() * placed[index].1;
             match link.part {
                 Part::UpperArm(_) | Part::Forearm(_) => {
-                    self.control.posture[index] = self.control.posture[index] * own;
+                    self.control.posture[index] *= own;
                 }
                 Part::Trunk | Part::Head | Part::Hand(_) => self.control.posture[index] = own,
                 _ => {}

@@ -15,10 +15,11 @@ mod data;
 mod seven_grid;
 
 use rayon::prelude::*;
-use seven_grid::{BARE, Case, Walked, bodies, body, seven, walked};
+use seven_grid::{BARE, Case, Walked, bodies, seven, walked};
 use std::path::{Path, PathBuf};
-use surefoot::bake::Drive;
+use surefoot::bake::{Drive, Helped};
 use surefoot::picture::plot::{Colour, Line, Panel, Plot, svg};
+use surefoot::ragdoll::control::Assist;
 
 /// m/s, of the cases that do not change it.
 const SPEED: f64 = 1.2;
@@ -33,7 +34,7 @@ fn main() {
     let (folders, words): (Vec<String>, Vec<String>) = words.into_iter().partition(|word| Path::new(word).is_dir());
     let folder = folders.first().map(PathBuf::from);
     let cases = cases();
-    let drives = [("kinematic", Drive::Stepper), ("torques", body())];
+    let drives = [("kinematic", Drive::Stepper), ("torques", Drive::Ragdoll(Helped::Within(Assist::default())))];
     for (index, (name, rig, legs)) in
         bodies(Some(data::place()).filter(|place| place.join("rigs").is_dir())).into_iter().enumerate()
     {
