@@ -120,7 +120,7 @@ pub(super) fn landed(
         state.recovering = 0.0;
     }
     if swing.kind == StepKind::Walk {
-        pace::landed(params, state);
+        pace::landed(params, physique, state);
         walk::landed(params, physique, state, swing.side);
     }
     let Swing { side, kind, lift, .. } = *swing;

@@ -4,7 +4,8 @@
 //! take from a step shows in the speed. Here the speed itself says: the velocity that the footholds are reckoned for is the commanded one
 //! and the sum of what the steps so far lacked. Ground plane (x, z), SI units.
 
-use super::{Params, State, ground};
+use super::{Params, Physique, State, ground};
+use crate::maths::pendulum::GRAVITY;
 use glam::DVec2;
 
 /// Share of a step's lack of speed that the next one makes up for: less than what would come and go about it.
@@ -14,6 +15,8 @@ const MOST: f64 = 0.5;
 /// The same, the most that one step counts for: what is farther off was disturbed, and recovering is not keeping a pace.
 const DISTURBED: f64 = 0.15;
 
+/// Share of the weight from which on a force lasts that is worth a correction: 18 N on 89.5 kg.
+const FORCED: f64 = 0.02;
 /// Cosine of the lean of ground that counts as level: a tenth of a degree.
 const LEVEL: f64 = 1.0 - 1.5e-6;
 
@@ -26,10 +29,13 @@ pub struct Pace {
     last: Option<(DVec2, f64, DVec2)>,
 }
 
-/// A step of the gait has landed. On the level the closed form holds the speed by itself; where treads or gaps choose the
-/// footholds, they set the pace too: soles that both lie level stand on one or the other.
-pub fn landed(params: &Params, state: &mut State) {
-    if state.feet.iter().all(|foot| foot.normal.y > LEVEL) {
+/// A step of the gait has landed. On the level, and where no force lasts, the closed form holds the speed by itself; where treads or gaps
+/// choose the footholds, they set the pace too: soles that both lie level stand on one or the other.
+pub fn landed(params: &Params, physique: &Physique, state: &mut State) {
+    // nothing of a bare pendulum's gives way to a force: its closed form balances that
+    let heavy = state.gait.lasting.length() > FORCED * physique.mass * GRAVITY;
+    let forced = heavy && params.leg_change && state.gait.longest.is_infinite();
+    if !forced && state.feet.iter().all(|foot| foot.normal.y > LEVEL) {
         state.gait.pace = Pace::default();
         return;
     }
