@@ -84,8 +84,8 @@ const PELVIS: [f64; 2] = [10.0 * std::f64::consts::PI / 180.0, 7.0 * std::f64::c
 /// How much slower than a foot the pelvis turns.
 const PELVIS_SLOWER: f64 = 1.6;
 
-/// Fits the tilt and the list of the pelvis that keep both hips within range.
-pub fn ease_hips(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], scale: f64) {
+/// Fits the tilt and the list of the pelvis that keep both hips within range; a walker's where the ground is `uneven` or it crouches.
+pub fn ease_hips(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], scale: f64, uneven: bool) {
     let dt = timeline.dt;
     let first = (timeline.still_until / dt).round() as usize;
     // Who stands beyond a range (on legs of a quarter of their length) stands so: nothing is eased that nobody disturbs.
@@ -101,7 +101,8 @@ pub fn ease_hips(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], s
     let turns = [0, 1].map(|axis| {
         let bounds: Vec<Bound> = (0..solved.len())
             .map(|index| {
-                let most = if timeline.walking[index] > 0.0 || index <= first + 1 || index + 3 > solved.len() {
+                let most = if timeline.walking[index] > 0.0 && !uneven || index <= first + 1 || index + 3 > solved.len()
+                {
                     0.0
                 } else {
                     PELVIS[axis]
@@ -130,16 +131,16 @@ pub fn ease_hips(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], s
     timeline.pelvis = turns;
 }
 
-/// rad, the most that a knee turns in or out for its ankle.
-const SWIVEL: f64 = 14.0 * std::f64::consts::PI / 180.0;
+/// rad, the most that a knee turns in or out for its ankle: on level ground, and on ground that slants under it.
+const SWIVEL: [f64; 2] = [14.0 * std::f64::consts::PI / 180.0, 60.0 * std::f64::consts::PI / 180.0];
 /// Inversion that a knee's turn yields, rad a rad: a straighter knee than the first does not turn, from the second on as far as any.
 const YIELDS: [f64; 2] = [0.08, 0.25];
 /// rad, by which a knee is turned to see what that yields.
 const PROBE: f64 = 1e-3;
 
 /// Fits the turns of both knees about the lines from hip to ankle that bring back into range what inversion [`ease`] left out of
-/// it. A walker's knees keep to their way.
-pub fn ease_knees(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], scale: f64) {
+/// it. A walker's knees keep to their way but where the ground is `uneven`.
+pub fn ease_knees(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], scale: f64, uneven: bool) {
     let dt = timeline.dt;
     let first = (timeline.still_until / dt).round() as usize;
     for side in Side::BOTH {
@@ -149,7 +150,7 @@ pub fn ease_knees(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], 
             .map(|index| {
                 const NONE: Bound = Bound { room: [0.0; 2], wanted: [0.0; 2] };
                 let Some(angles) = legs.at(&solved[index].pose, side) else { return NONE };
-                if timeline.walking[index] > 0.0 || index <= first + 1 || index + 3 > solved.len() {
+                if timeline.walking[index] > 0.0 && !uneven || index <= first + 1 || index + 3 > solved.len() {
                     return NONE;
                 }
                 let pose = &solved[index].pose;
@@ -160,7 +161,7 @@ pub fn ease_knees(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], 
                 turned.turns[leg.lower] = DQuat::from_axis_angle(axis, PROBE) * pose.turns[leg.lower];
                 let Some(beside) = legs.at(&turned, side) else { return NONE };
                 let slope = (beside[3] - angles[3]) / PROBE;
-                let most = SWIVEL * smooth3((slope.abs() - YIELDS[0]) / (YIELDS[1] - YIELDS[0]));
+                let most = SWIVEL[usize::from(uneven)] * smooth3((slope.abs() - YIELDS[0]) / (YIELDS[1] - YIELDS[0]));
                 if most <= 0.0 {
                     return NONE;
                 }
@@ -176,13 +177,13 @@ pub fn ease_knees(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], 
 
 /// What is possible at one entry, and what the ankle wants of it: least and greatest. rad.
 #[derive(Clone, Copy, Debug)]
-struct Bound {
-    room: [f64; 2],
-    wanted: [f64; 2],
+pub(super) struct Bound {
+    pub(super) room: [f64; 2],
+    pub(super) wanted: [f64; 2],
 }
 
 /// The turns. `per`: entries a second, of the body's own time.
-fn fitted(bounds: &[Bound], per: f64) -> Vec<f64> {
+pub(super) fn fitted(bounds: &[Bound], per: f64) -> Vec<f64> {
     let count = bounds.len();
     let mut turns = vec![0.0; count];
     // Which bound each entry is held to: the ankle's or the contact's, lower or upper.

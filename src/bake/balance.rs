@@ -73,6 +73,7 @@ fn solve(
 ) -> Vec<DVec2> {
     let count = wanted.len();
     let dt2 = timeline.dt * timeline.dt;
+    let loose = timeline.feet.feet.iter().any(|path| path.raised.is_up());
     let axis = |pick: fn(&DVec2) -> f64| {
         let mut system = BandedLeastSquares::new(count, 3);
         for index in 1..count - 1 {
@@ -86,8 +87,14 @@ fn solve(
         }
         // At rest until somebody pushes, and where the clip ends.
         let first = ((timeline.still_until / timeline.dt).round() as usize).min(count - 1);
-        for index in (0..=first).chain([count - 2, count - 1]) {
-            system.equation(index, &[1.0], 0.0, 1e9);
+        if loose {
+            for index in (0..first).chain([count - 2]) {
+                system.equation(index, &[-1.0, 1.0], 0.0, 1e9);
+            }
+        } else {
+            for index in (0..=first).chain([count - 2, count - 1]) {
+                system.equation(index, &[1.0], 0.0, 1e9);
+            }
         }
         system.solve()
     };

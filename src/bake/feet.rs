@@ -99,7 +99,7 @@ impl FootCurves {
     }
 
     /// Raises the swings over what lies between their plants.
-    fn clear_the_ground(&mut self) {
+    pub(super) fn clear_the_ground(&mut self) {
         let FootCurves { feet, terrain, .. } = self;
         let mesh = matches!(terrain.kind, GroundKind::Mesh { .. });
         if !mesh && !matches!(terrain.kind, GroundKind::Stairs { .. } | GroundKind::Uneven { .. }) {

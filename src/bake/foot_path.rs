@@ -6,6 +6,7 @@
 
 use super::clearance::{self, Raise};
 use super::contacts::FootContact;
+use super::heels::{Heel, MOST_PITCH as MOST_RAISED};
 use super::swing::{Extra, Swing};
 use crate::maths::curve::{bump, smooth3, trapezoid};
 use crate::maths::quat::wrap_angle;
@@ -21,6 +22,8 @@ const STAIR: f64 = 0.05;
 /// Moments of a swing at which the ground under it is looked at, and m that it may be off a plane: what a millimetre's raise is not worth.
 const LOOKS: u32 = 16;
 const PLANE: f64 = 1e-3;
+/// Part of the leg: a foot that goes down a riser by more leaves it with its heel down, or the leg folds up behind.
+const MOST_DOWN: f64 = 0.5;
 /// rad, how far the heel of a foot in contact comes up at most.
 pub(super) const MOST_PITCH: f64 = 45.0 * std::f64::consts::PI / 180.0;
 /// rad, the farthest that a foot turns out of its curve for its ankle.
@@ -45,8 +48,10 @@ pub(super) struct FootPath {
     heel: DVec3,               // rearmost sole point likewise
     soles: Vec<(DVec3, bool)>, // levelled sole vertices from the ankle, and whether they move with the toes
     ankle_height: f64,         // m
+    leg: f64,                  // m
     has_toe: bool,
     pub(super) extra: Extra,
+    pub(super) raised: Heel,
 }
 
 impl FootPath {
@@ -86,8 +91,10 @@ impl FootPath {
             heel: levelled(shape.heel_point()),
             soles,
             ankle_height: shape.ankle_height,
+            leg: physique.leg_length,
             has_toe: shape.toe.is_some(),
             extra: Extra::default(),
+            raised: Heel::default(),
         };
         let own: Vec<&Step> = steps.iter().filter(|step| step.side == side).collect();
         for (index, step) in own.iter().enumerate() {
@@ -123,9 +130,15 @@ impl FootPath {
 
     /// In the ground's frame.
     pub(super) fn at(&self, time: f64, terrain: &Terrain) -> FootTarget {
+        let up = self.raised.at(time);
         let flat = |plant: &Plant| {
-            let turn = turned(plant, 0.0);
-            self.pose(self.flat_ankle(plant), plant.yaw, turn, turn)
+            let level = turned(plant, 0.0);
+            if up <= 0.0 {
+                return self.pose(self.flat_ankle(plant), plant.yaw, level, level);
+            }
+            let turn = turned(plant, up);
+            let ankle = self.flat_ankle(plant) + level * self.pivot - turn * self.pivot;
+            self.pose(ankle, plant.yaw, turn, if self.has_toe { level } else { turn })
         };
         let Some(swing) = self.swings.iter().rev().find(|swing| time > swing.lift - swing.heel_off) else {
             return flat(&self.start);
@@ -134,7 +147,7 @@ impl FootPath {
             return flat(&swing.to);
         }
         let [pitch, roll] = self.extra.at(time);
-        let pitch = swing.pitch(time) + pitch;
+        let pitch = swing.pitch(time) + pitch + up;
         let on = |plant: &Plant, held: DVec3, toes_flat: bool| {
             let level = turned(plant, 0.0);
             let turn = turned(plant, pitch) * DQuat::from_rotation_z(roll);
@@ -175,6 +188,33 @@ impl FootPath {
         [[-pitch.max(0.0), (MOST_PITCH - pitch).max(0.0)], self.rolls(self.pivot, turned)]
     }
 
+    /// rad, the pitch that a foot has then on its ball or flat beside what its heel is up for its ankle, `Some(None)` in the air; `None` on its
+    /// heel, which stays down. `dt`: s that it stays away from there.
+    pub(super) fn heel_room(&self, time: f64, dt: f64) -> Option<Option<f64>> {
+        let Some(swing) = self.swings.iter().rev().find(|swing| time > swing.lift - swing.heel_off) else {
+            return Some(Some(0.0));
+        };
+        let next = self.swings.iter().find(|swing| time < swing.land);
+        if next.is_some_and(|next| risen(next) < -MOST_DOWN * self.leg) {
+            return None;
+        }
+        if swing.strike < 0.0 && time > swing.land - dt && time < swing.land + swing.settle + dt {
+            None
+        } else if time > swing.lift && time < swing.land {
+            Some(None)
+        } else if time >= swing.land + swing.settle {
+            Some(Some(0.0))
+        } else {
+            Some(Some(swing.pitch(time) + self.extra.at(time)[0]))
+        }
+    }
+
+    /// rad, the pitch that a foot in the air has then.
+    pub(super) fn pitch_aloft(&self, time: f64) -> f64 {
+        let swing = self.swings.iter().rev().find(|swing| time > swing.lift);
+        swing.map_or(0.0, |swing| swing.pitch(time) + self.extra.at(time)[0])
+    }
+
     /// How far the foot rolls either way about a point of it before its sole's edge sinks too deep.
     fn rolls(&self, about: DVec3, pitch: f64) -> [f64; 2] {
         let most = |way: f64| {
@@ -213,7 +253,8 @@ impl FootPath {
     pub(super) fn flown(&self, swing: &Swing, time: f64, terrain: &Terrain) -> FootTarget {
         let u = swing.along(time);
         let [extra, roll] = self.extra.at(time);
-        let pitch = swing.pitch(time) + extra;
+        let raised = self.raised.at(time);
+        let pitch = swing.pitch(time) + extra + raised;
         let rolled = DQuat::from_rotation_z(roll);
         let go = trapezoid(u);
         let yaw = swing.from.yaw + wrap_angle(swing.to.yaw - swing.from.yaw) * go;
@@ -248,7 +289,8 @@ impl FootPath {
         // Toes lie flat as they leave, and where they land first.
         let lands = if swing.strike < 0.0 { 1.0 } else { smooth3((1.0 - u) / TOES_ROLL) };
         let toes_rolled = DQuat::from_rotation_z(roll * smooth3(u / TOES_ROLL) * lands);
-        let toe = if self.has_toe { turned(&between, pitch * straight) * toes_rolled } else { turn };
+        let toes = if raised > 0.0 { (pitch * straight).max(pitch - MOST_RAISED) } else { pitch * straight };
+        let toe = if self.has_toe { turned(&between, toes) * toes_rolled } else { turn };
         let ankle = pivot - turn * self.pivot;
         let mut target = self.pose(ankle, yaw, turn, toe);
         target.soft = bump(u).sqrt();
@@ -288,20 +330,36 @@ impl FootPath {
         let mut push = |part, start: f64, stop: f64, plant: Plant| {
             let stop = stop.min(end);
             if stop - start > 1e-6 {
-                contacts.push(FootContact { side, part, start, end: stop, plant });
+                // A ball that holds on as the heel comes up or goes down holds once.
+                let last = contacts.last_mut().filter(|last| {
+                    self.raised.is_up() && last.side == side && last.part == part && start - last.end < 1e-6
+                });
+                match last {
+                    Some(last) => last.end = stop,
+                    None => contacts.push(FootContact { side, part, start, end: stop, plant }),
+                }
             }
+        };
+        let flat = |push: &mut dyn FnMut(Part, f64, f64, Plant), from: f64, to: f64, plant: Plant| {
+            let mut at = from;
+            for [start, stop] in self.raised.spans(from, to) {
+                push(Part::Flat, at, start, plant);
+                push(Part::Ball, start, stop, plant);
+                at = stop;
+            }
+            push(Part::Flat, at, to, plant);
         };
         let mut flat_from = 0.0;
         let mut plant = self.start;
         for swing in &self.swings {
-            push(Part::Flat, flat_from, swing.lift - swing.heel_off, plant);
+            flat(&mut push, flat_from, swing.lift - swing.heel_off, plant);
             push(Part::Ball, swing.lift - swing.heel_off, swing.lift, plant);
             plant = swing.to;
             let part = if swing.strike < 0.0 { Part::Heel } else { Part::Ball };
             flat_from = if swing.strike == 0.0 { swing.land } else { swing.land + swing.settle };
             push(part, swing.land, flat_from, plant);
         }
-        push(Part::Flat, flat_from, end, plant);
+        flat(&mut push, flat_from, end, plant);
     }
 }
 

@@ -106,8 +106,14 @@ const STRAINED: f64 = 0.8 * std::f64::consts::PI / 180.0;
 const SHORT: f64 = 1e-3;
 
 /// Lets trailing feet leave a tick sooner that are out of their ankle's range or their leg's reach at the last: the pressure is as
-/// good as gone from them then. Whether any does. Call it a few times over; `solved`: the poses of the present curves.
-pub(super) fn spare_legs(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], scale: f64) -> bool {
+/// good as gone from them then; walkers' where the ground is `uneven`. Whether any does. Call it a few times over; `solved`: the poses of the present curves.
+pub(super) fn spare_legs(
+    timeline: &mut Timeline,
+    legs: &LegAngles,
+    solved: &[Solved],
+    scale: f64,
+    uneven: bool,
+) -> bool {
     let dt = timeline.dt;
     let mut any = false;
     for side in Side::BOTH {
@@ -131,7 +137,9 @@ pub(super) fn spare_legs(timeline: &mut Timeline, legs: &LegAngles, solved: &[So
             };
             let from = |span: f64| ((swing.lift - span * scale) / dt).ceil().max(0.0) as usize;
             let may = |most: f64| swing.lift - dt >= least.max(swing.planned - most * scale);
-            let leaves = may(SOONER[0]) && !swing.walks && (from(LEAVING)..).take_while(at_last).any(strained)
+            let leaves = (may(if uneven { SOONER[1] } else { SOONER[0] })
+                && (uneven || !swing.walks)
+                && (from(LEAVING)..).take_while(at_last).any(strained))
                 || may(SOONER[1])
                     && (from(SOONER[1])..).take_while(at_last).any(|index| solved[index].short[side as usize] > SHORT);
             if leaves {

@@ -24,6 +24,8 @@ const ASKED: f64 = 16.0;
 const LEAST_BEND: f64 = 10.0 * std::f64::consts::PI / 180.0;
 /// Part of the sole's height over the ground that a straighter knee may take up.
 const DOWN: f64 = 0.8;
+/// m, by which a sole may be under the ground.
+const SUNK: f64 = 1e-3;
 /// Weight of a bend that must not be less, and of a planted one, against a wanted one.
 const HOLD: f64 = 1e5;
 /// Rounds of the one-sided penalty.
@@ -63,7 +65,12 @@ impl Leg {
         }
         let down = ((hip.y - ankle.y) / length.max(1e-9)).max(0.3);
         let ground = |point: DVec3| height_below(&timeline.terrain, time, point);
-        let room = DOWN * lowest(&timeline.body, side, &foot, ankle, &ground).max(0.0) / down;
+        let over = |ankle: DVec3| lowest(&timeline.body, side, &foot, ankle, &ground);
+        let mut room = DOWN * over(ankle).max(0.0) / down;
+        // Down along the leg is on, into a riser where there is one.
+        while room > SUNK && over(ankle + (ankle - hip) * (room / length.max(1e-9))) < -SUNK {
+            room *= 0.5;
+        }
         Leg { wanted, least: leg.bend_at(length + room).max(LEAST_BEND.min(wanted)), free }
     }
 }

@@ -9,7 +9,9 @@ use super::contacts::{self, FootContact};
 use super::ragdoll::{self, Drive};
 use super::throws::{self, Ball};
 use super::timeline::Timeline;
-use super::{BakeError, BakeOptions, ankles, apart, balance, care, feet, footing, knees, played, pushes, reach};
+use super::{
+    BakeError, BakeOptions, ankles, apart, balance, care, feet, footing, heels, knees, played, pushes, reach, slant,
+};
 use crate::maths::curve::smooth3;
 use crate::maths::real;
 use crate::measure::joints::LegAngles;
@@ -17,9 +19,10 @@ use crate::measure::{Frame, KnownPush, PushPoint};
 use crate::model::scenario::{Feet, Scenario};
 use crate::model::{Body, Side, Terrain};
 use crate::sim::{Ahead, Script, SessionPush, SimulateOptions, TickState, Trace, simulate};
-use crate::stepper::{Phase, Physique, Step, Style};
+use crate::stepper::{Phase, Physique, Plant, Step, Style};
 use crate::whole_body::reaction::{Personality, Reaction, UpperAngles};
 use crate::whole_body::solve::Solved;
+use crate::whole_body::stoop::Stoop;
 use crate::whole_body::struck::{Blow, struck};
 use crate::whole_body::sway::Sway;
 use crate::whole_body::{Anatomy, Solver, stand};
@@ -36,6 +39,8 @@ const CARE_PASSES: usize = 8;
 const ENDS: f64 = 0.12;
 /// Damping of the first passes and of the last.
 const DAMPING: [f64; 2] = [0.002, 0.012];
+/// Passes more where heels come up for their ankles: the body goes over the balls of its feet, and the ankles bend by more.
+const HEEL_PASSES: usize = 6;
 /// Passes in which the feet still adapt their roll to the ankles.
 const ROLL_PASSES: usize = 4;
 /// Rounds at last of lowering and bends, and m that the lowering moves without bends that follow.
@@ -178,15 +183,22 @@ pub fn perform_over(
         _ => false,
     };
     let bases = footing::bases(body, &terrain, &start, &steps, trace.dt, count);
+    let slants = if over.is_none() { slant::slants(ticks, trace.dt) } else { vec![[0.0; 2]; count] };
     let height = |index: usize| {
         let standing = script.physiques.get(index).unwrap_or(&physique).com_height;
-        standing + bases[index] - ticks[index].crouched
+        standing + bases[index] - ticks[index].crouched - slant::lower(&slants[index], &physique)
     };
     let path = ticks.iter().enumerate().map(|(index, tick)| DVec3::new(tick.com.x, height(index), tick.com.z));
     let mut com: Vec<DVec3> = path.collect();
     let blows = Blow::of(body, &anatomy, &physique, &pushes);
     let walks = matches!(over, Some(Over::Walk(_)));
     let mut upper = upper_body(ticks, trace.dt, (&physique, &script.physiques), &blows, (seed, walks), scenario);
+    if over.is_none() {
+        let deepest = ticks.iter().map(|tick| tick.crouched).fold(0.0, f64::max);
+        let stoop = Stoop::new(body, &anatomy, &physique, deepest);
+        upper.iter_mut().zip(ticks).for_each(|(angles, tick)| stoop.add(tick.crouched, angles));
+        slant::lean(&mut upper, &slants);
+    }
     let landed = steps.iter().map(|step| step.land).fold(busy, f64::max);
     let left: Vec<f64> = (0..count)
         .map(|index| over.as_ref().filter(|_| home).map_or(1.0, |over| over.left(index as f64 * trace.dt, landed, end)))
@@ -220,40 +232,9 @@ pub fn perform_over(
         carried,
         loads,
     };
-    let frame = Frame::of(&timeline.terrain);
-    let mut held = contacts::held(&timeline.feet.contacts(timeline.stands()), frame);
-    let gauge = LegAngles::of(body);
-    let mut zmp_before_pass = Vec::new();
-    let mut care = care::Care::new(count);
-    for pass in 0..PASSES {
-        let solved = timeline.solve_all();
-        if pass > ROLL_PASSES && pass < PASSES - 2 {
-            care.watch(&timeline, &solved, pass >= CARE_PASSES);
-        }
-        reach::lower_into_reach(&mut timeline, &solved, scale, &care, damping(pass));
-        if pass > 0 && pass <= ROLL_PASSES {
-            apart::keep_apart(&mut timeline, &solved);
-            let Timeline { body, anatomy, feet, dt, .. } = &mut timeline;
-            feet.ease_ankles(body, anatomy, &solved, &cop, *dt);
-            held = contacts::held(&feet.contacts((count - 1) as f64 * *dt), frame);
-        }
-        if (ROLL_PASSES + 1..EASE_PASSES - 1).contains(&pass)
-            && footing::spare_legs(&mut timeline, &gauge, &solved, scale)
-        {
-            held = contacts::held(&timeline.feet.contacts((count - 1) as f64 * timeline.dt), frame);
-        }
-        if pass > 0 && pass < EASE_PASSES {
-            ankles::ease_hips(&mut timeline, &gauge, &solved, scale);
-            let ease = [ankles::ease_knees, ankles::ease][pass % 2]; // each sees what the other left
-            ease(&mut timeline, &gauge, &solved, scale);
-            timeline.feet.clear_a_mesh();
-        }
-        knees::even_knees(&mut timeline, &solved, scale, &care);
-        if pass > 0 {
-            let poses: Vec<_> = solved.into_iter().map(|solved| solved.pose).collect();
-            zmp_before_pass.push(balance::pass(&mut timeline, &poses, &held, &pushes));
-        }
-    }
+    let plants: Vec<Plant> = start.iter().copied().chain(steps.iter().map(|step| step.to)).collect();
+    let uneven = heels_may_rise(&timeline, ticks, &plants);
+    let (care, zmp_before_pass) = converge(&mut timeline, (&cop, &pushes), scale, uneven);
     // The swinging legs' mass moves the hips: the bends stay, so that this lowering is the one that they need.
     settle(&mut timeline, scale, &care);
     if home {
@@ -295,6 +276,76 @@ pub fn perform_over(
         articulated: None,
     })
 }
+
+/// The passes that bring the legs into reach, the joints into range and the pressure into the support, a few times over, as each
+/// disturbs the others; what care they took, and m that the ZMP was out of the support before each. `uneven`: heels and knees go by
+/// their ankles' ranges in walks too.
+fn converge(
+    timeline: &mut Timeline,
+    (cop, pushes): (&[DVec2], &[KnownPush]),
+    scale: f64,
+    uneven: bool,
+) -> (care::Care, Vec<f64>) {
+    let frame = Frame::of(&timeline.terrain);
+    let stands = timeline.stands();
+    let contacts = |timeline: &Timeline| contacts::held(&timeline.feet.contacts(stands), frame);
+    let mut held = contacts(timeline);
+    let gauge = LegAngles::of(&timeline.body);
+    let mut zmp_before_pass = Vec::new();
+    let mut care = care::Care::new(timeline.com.len());
+    let mut passes = PASSES;
+    let mut pass = 0;
+    while pass < passes {
+        let solved = timeline.solve_all();
+        if pass > ROLL_PASSES && pass < passes - 2 {
+            care.watch(timeline, &solved, pass >= CARE_PASSES);
+        }
+        reach::lower_into_reach(timeline, &solved, scale, &care, damping(pass));
+        if pass > 0 && pass <= ROLL_PASSES {
+            apart::keep_apart(timeline, &solved);
+            let Timeline { body, anatomy, feet, dt, .. } = &mut *timeline;
+            feet.ease_ankles(body, anatomy, &solved, cop, *dt);
+            held = contacts(timeline);
+        }
+        let spares = ROLL_PASSES < pass && pass < if passes > PASSES { passes - 4 } else { EASE_PASSES - 1 };
+        if spares && footing::spare_legs(timeline, &gauge, &solved, scale, uneven) {
+            held = contacts(timeline);
+        }
+        if pass > 0 && pass < EASE_PASSES {
+            ankles::ease_hips(timeline, &gauge, &solved, scale, uneven);
+            // Each sees what the other left.
+            if pass % 2 == 0 {
+                ankles::ease_knees(timeline, &gauge, &solved, scale, uneven);
+            } else {
+                ankles::ease(timeline, &gauge, &solved, scale);
+            }
+            timeline.feet.clear_a_mesh();
+        }
+        let rising = uneven && (ROLL_PASSES - 1..passes - 2).contains(&pass);
+        if rising && heels::raise(timeline, &gauge, &solved, scale) {
+            held = contacts(timeline);
+            passes = PASSES + HEEL_PASSES;
+        }
+        knees::even_knees(timeline, &solved, scale, &care);
+        if pass > 0 {
+            let poses: Vec<_> = solved.into_iter().map(|solved| solved.pose).collect();
+            zmp_before_pass.push(balance::pass(timeline, &poses, &held, pushes));
+        }
+        pass += 1;
+    }
+    (care, zmp_before_pass)
+}
+
+/// Where heels and knees go by their ankles' ranges in walks too: in a crouch, and where some foot stands aslant, higher or lower. On
+/// level ground they go as `swing` says, over a base clip as the clip does.
+fn heels_may_rise(timeline: &Timeline, ticks: &[TickState], plants: &[Plant]) -> bool {
+    let level = |plant: &Plant| plant.normal.y > 1.0 - LEVEL && (plant.ankle.y - plants[0].ankle.y).abs() < LEVEL;
+    let uneven = timeline.terrain.moves() || !plants.iter().all(level);
+    timeline.over.is_none() && (uneven || ticks.iter().any(|tick| tick.crouched > 0.0))
+}
+
+/// m, and of a normal's height, by which what is level may be off.
+const LEVEL: f64 = 1e-6;
 
 /// The lowering and the bends in the air that each other need: the swinging legs' mass moves the hips, and a hip that is lowered takes
 /// along a foot whose knee is told its bend.

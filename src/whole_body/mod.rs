@@ -9,6 +9,7 @@ pub mod overlay;
 pub mod reaction;
 pub mod solve;
 pub mod stand;
+pub mod stoop;
 pub mod stride;
 pub mod struck;
 pub mod sway;

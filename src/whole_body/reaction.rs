@@ -96,6 +96,8 @@ const ALARMS: f64 = 0.045;
 const HEARS: f64 = 0.08;
 /// s, in which alarm rises: slower, and arms start late; faster, and they jerk.
 const RISES: f64 = 0.09;
+/// rad that the trunk leans for each leg length that a crouch lowers it by.
+pub(super) const CROUCH_LEAN: f64 = 0.5;
 /// What the pelvis takes of the trunk's lean, left and forward.
 const PELVIS_SHARE: [f64; 2] = [0.30, 0.38];
 
@@ -225,7 +227,7 @@ impl Reaction {
         let mut angles = [0.0; UPPER];
         angles[0] = lean.x;
         // Who crouches bends forwards.
-        angles[1] = lean.y + stride.lean * self.strides + 0.5 * senses.crouched / self.physique.leg_length;
+        angles[1] = lean.y + stride.lean * self.strides + CROUCH_LEAN * senses.crouched / self.physique.leg_length;
         angles[2] = self.head[0].x;
         angles[3] = self.head[1].x;
         angles[4] = (self.pelvis_yaw.x + stride.turn) * self.strides;
