@@ -108,6 +108,8 @@ mod played;
 mod ragdoll;
 /// The articulated body walking.
 mod ragdoll_walk;
+/// Joints within their ranges on steep ground and in crouches, the kinematic drive's.
+mod ranges;
 /// What trunk, head and arms do of a push: delays, where it struck, mirror images, seeds, breath.
 mod reaction;
 /// Clips on other bodies: directions, held feet, knees.

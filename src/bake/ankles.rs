@@ -131,8 +131,9 @@ pub fn ease_hips(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], s
     timeline.pelvis = turns;
 }
 
-/// rad, the most that a knee turns in or out for its ankle: on level ground, and on ground that slants under it.
-const SWIVEL: [f64; 2] = [14.0 * std::f64::consts::PI / 180.0, 60.0 * std::f64::consts::PI / 180.0];
+/// rad, the most that a knee turns in or out for its ankle: on level ground, and of a walker and of who stands on ground that slants.
+const SWIVEL: [f64; 3] =
+    [14.0 * std::f64::consts::PI / 180.0, 40.0 * std::f64::consts::PI / 180.0, 60.0 * std::f64::consts::PI / 180.0];
 /// Inversion that a knee's turn yields, rad a rad: a straighter knee than the first does not turn, from the second on as far as any.
 const YIELDS: [f64; 2] = [0.08, 0.25];
 /// rad, by which a knee is turned to see what that yields.
@@ -161,7 +162,9 @@ pub fn ease_knees(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], 
                 turned.turns[leg.lower] = DQuat::from_axis_angle(axis, PROBE) * pose.turns[leg.lower];
                 let Some(beside) = legs.at(&turned, side) else { return NONE };
                 let slope = (beside[3] - angles[3]) / PROBE;
-                let most = SWIVEL[usize::from(uneven)] * smooth3((slope.abs() - YIELDS[0]) / (YIELDS[1] - YIELDS[0]));
+                let stands = uneven && timeline.walking[index] <= 0.0;
+                let most = SWIVEL[usize::from(uneven) + usize::from(stands)]
+                    * smooth3((slope.abs() - YIELDS[0]) / (YIELDS[1] - YIELDS[0]));
                 if most <= 0.0 {
                     return NONE;
                 }

@@ -13,6 +13,7 @@ pub mod carried;
 mod chain;
 mod clearance;
 pub mod contacts;
+mod converge;
 mod curved;
 pub mod feet;
 mod feet_based;

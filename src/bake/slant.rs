@@ -4,7 +4,7 @@
 use crate::maths::curve::smooth3;
 use crate::maths::real;
 use crate::model::Physique;
-use crate::sim::TickState;
+use crate::sim::{TickState, Trace};
 use crate::whole_body::reaction::UpperAngles;
 use glam::DVec3;
 
@@ -18,6 +18,11 @@ const PELVIS: f64 = 0.3;
 const SLANTS: [f64; 2] = [0.15, 0.5];
 /// Part of the leg by which they lower the body then: knees at 60 to 70 degrees, which turn a shank by 25.
 const LOWER: f64 = 0.15;
+/// Leg over foot: where it is less than the first, a knee that bends on ground that slants by more than [`STEEPER`] (rad) comes to lie on
+/// that ground; people's is over 3.
+const LONG: [f64; 2] = [2.4, 3.0];
+/// rad.
+const STEEPER: [f64; 2] = [0.5, 0.7];
 /// s, standard deviation of the smoothing of either.
 const SMOOTHING: f64 = 0.2;
 
@@ -55,5 +60,13 @@ pub(super) fn lean(upper: &mut [UpperAngles], slants: &[[f64; 2]]) {
 
 /// m, by how much the body is lower over ground that slants sideways.
 pub(super) fn lower(slant: &[f64; 2], physique: &Physique) -> f64 {
-    LOWER * physique.leg_length * smooth3((slant[1].abs() - SLANTS[0]) / (SLANTS[1] - SLANTS[0]))
+    let over = |[from, to]: [f64; 2], value: f64| smooth3((value - from) / (to - from));
+    let sideways = slant[1].abs();
+    let room = 1.0 - over(STEEPER, sideways) * (1.0 - over(LONG, physique.leg_length / (physique.tip - physique.heel)));
+    LOWER * room * physique.leg_length * over(SLANTS, sideways)
+}
+
+/// m, the most that a run's body is lower for it.
+pub(super) fn lowest(trace: &Trace, physique: &Physique) -> f64 {
+    slants(&trace.ticks, trace.dt).iter().map(|slant| lower(slant, physique)).fold(0.0, f64::max)
 }
