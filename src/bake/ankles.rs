@@ -134,6 +134,9 @@ pub fn ease_hips(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], s
 /// rad, the most that a knee turns in or out for its ankle: on level ground, and of a walker and of who stands on ground that slants.
 const SWIVEL: [f64; 3] =
     [14.0 * std::f64::consts::PI / 180.0, 40.0 * std::f64::consts::PI / 180.0, 60.0 * std::f64::consts::PI / 180.0];
+/// rad, the most of that inwards on ground that slants: in walks across a slope of 25 degrees knees come near each other, and the score
+/// falls by 0.01 to 0.05 for the next 4 degrees.
+const INWARD: f64 = 4.0 * std::f64::consts::PI / 180.0;
 /// Inversion that a knee's turn yields, rad a rad: a straighter knee than the first does not turn, from the second on as far as any.
 const YIELDS: [f64; 2] = [0.08, 0.25];
 /// rad, by which a knee is turned to see what that yields.
@@ -170,8 +173,10 @@ pub fn ease_knees(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved], 
                 }
                 let present = timeline.swivels[side as usize].get(index).copied().unwrap_or(0.0);
                 let ends = [range[0] + MARGIN, range[1] - MARGIN].map(|end| present + (end - angles[3]) / slope);
-                let wanted = [ends[0].min(ends[1]), ends[0].max(ends[1])].map(|end| end.clamp(-most, most));
-                Bound { room: [-most, most], wanted }
+                let inward = if uneven { most.min(INWARD) } else { most };
+                let room = if side == Side::Left { [-most, inward] } else { [-inward, most] };
+                let wanted = [ends[0].min(ends[1]), ends[0].max(ends[1])].map(|end| end.clamp(room[0], room[1]));
+                Bound { room, wanted }
             })
             .collect();
         timeline.swivels[side as usize] = fitted(&bounds, scale / dt);

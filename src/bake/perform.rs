@@ -162,10 +162,10 @@ pub fn perform_over(
         _ => false,
     };
     let bases = footing::bases(body, &terrain, &start, &steps, trace.dt, count);
-    let slants = if over.is_none() { slant::slants(ticks, trace.dt) } else { vec![[0.0; 2]; count] };
+    let grades = if over.is_none() { slant::grades(ticks, trace.dt) } else { vec![0.0; count] };
     let height = |index: usize| {
         let standing = script.physiques.get(index).unwrap_or(&physique).com_height;
-        standing + bases[index] - ticks[index].crouched - slant::lower(&slants[index], &physique)
+        standing + bases[index] - ticks[index].crouched
     };
     let path = ticks.iter().enumerate().map(|(index, tick)| DVec3::new(tick.com.x, height(index), tick.com.z));
     let mut com: Vec<DVec3> = path.collect();
@@ -176,7 +176,7 @@ pub fn perform_over(
         let deepest = ticks.iter().map(|tick| tick.crouched).fold(0.0, f64::max);
         let stoop = Stoop::new(body, &anatomy, &physique, deepest);
         upper.iter_mut().zip(ticks).for_each(|(angles, tick)| stoop.add(tick.crouched, angles));
-        slant::lean(&mut upper, &slants);
+        slant::lean(&mut upper, &grades);
     }
     let landed = steps.iter().map(|step| step.land).fold(busy, f64::max);
     let left: Vec<f64> = (0..count)
@@ -212,7 +212,7 @@ pub fn perform_over(
         loads,
     };
     let plants: Vec<Plant> = start.iter().copied().chain(steps.iter().map(|step| step.to)).collect();
-    let uneven = converge::heels_may_rise(&timeline, ticks, &plants);
+    let uneven = converge::heels_may_rise(&timeline, ticks, &plants, &grades);
     let (care, zmp_before_pass) = converge::converge(&mut timeline, (&cop, &pushes), scale, uneven);
     // The swinging legs' mass moves the hips: the bends stay, so that this lowering is the one that they need.
     converge::settle(&mut timeline, scale, &care);

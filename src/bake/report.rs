@@ -10,7 +10,6 @@ use super::perform::Performance;
 use super::played::{Played, drift};
 use super::ragdoll::Driven;
 use super::root_motion::RootMotion;
-use super::slant;
 use crate::maths::pendulum::GRAVITY;
 use crate::measure::{self, Findings, Frame, KnownPush, Motion, PushPoint, Setting, measure_in};
 use crate::model::report::{
@@ -60,8 +59,6 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
     let held = contacts::held(&performance.contacts, Frame::of(terrain));
     let crouched = performance.trace.ticks.iter().map(|tick| tick.crouched).fold(0.0, f64::max);
     let crouched = crouched - performance.trace.ticks.first().map_or(0.0, |tick| tick.crouched);
-    let own = performance.timeline.over.is_none() && performance.timeline.played.is_none();
-    let crouched = crouched + if own { slant::lowest(&performance.trace, &performance.physique) } else { 0.0 };
     let scuffs = performance.timeline.played.as_ref().map_or(&[][..], Played::scuffs);
     let setting = Setting { terrain, loads: &performance.timeline.loads, crouched, scuffs };
     let mut findings = measure_in(motion, &setting, &held, &performance.pushes);
