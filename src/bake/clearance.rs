@@ -18,6 +18,8 @@ const ROUNDS: usize = 16;
 const NEAR: f64 = 0.25;
 /// m, how far ahead and behind an edge is seen.
 const AHEAD: f64 = 0.02;
+/// m, by which a sole lacks more half a piece before or after: an edge is met there.
+const EDGE: f64 = 0.03;
 /// Part of the swing's clearance that is kept over the ground at mid-swing.
 const MARGIN: f64 = 0.4;
 /// How much sooner than the way over the ground the way up a stair is done.
@@ -49,9 +51,7 @@ impl Raise {
     /// over level ground, m.
     pub(super) fn over(terrain: &Terrain, way: DVec2, clearance: f64, sole: &dyn Fn(f64, &mut Vec<DVec3>)) -> Raise {
         let mut points = Vec::new();
-        let mut need = [0.0; PIECES + 1];
-        for (index, need) in need.iter_mut().enumerate() {
-            let u = index as f64 / PIECES as f64;
+        let mut lacks = |u: f64| {
             sole(u, &mut points);
             let reach = AHEAD * bump(u).sqrt();
             let ground = |point: &DVec3| {
@@ -61,7 +61,17 @@ impl Raise {
                     .into_iter()
                     .fold(f64::MIN, f64::max)
             };
-            *need = points.iter().map(|point| ground(point) - point.y).fold(f64::MIN, f64::max);
+            points.iter().map(|point| ground(point) - point.y).fold(f64::MIN, f64::max)
+        };
+        let mut need = [0.0; PIECES + 1];
+        for (index, need) in need.iter_mut().enumerate() {
+            let u = index as f64 / PIECES as f64;
+            *need = lacks(u);
+            // An edge may be met between two of them.
+            if index > 0 && index < PIECES {
+                let beside = [u - 0.5 / PIECES as f64, u + 0.5 / PIECES as f64].map(&mut lacks);
+                *need = beside.into_iter().filter(|lack| *lack > *need + EDGE).fold(*need, f64::max);
+            }
         }
         let ends = [need[0].max(0.0), need[PIECES].max(0.0)];
         for (index, need) in need.iter_mut().enumerate() {

@@ -7,7 +7,6 @@ use super::{ankles, apart, balance, contacts, footing, heels, knees, reach};
 use crate::maths::real;
 use crate::measure::joints::LegAngles;
 use crate::measure::{Frame, KnownPush};
-use crate::model::scenario::GroundKind;
 use crate::sim::TickState;
 use crate::stepper::Plant;
 use glam::DVec2;
@@ -30,10 +29,6 @@ const SETTLES: usize = 2;
 const MOVED: f64 = 5e-4;
 /// m, and of a normal's height, by which what is level may be off.
 const LEVEL: f64 = 1e-6;
-/// rad, uphill grades between which heels stay down: what they would come up by is too short for the ZMP (8 and 10 degrees up: 0.02 of the
-/// time out of the support; at 5, and from 12 on, none).
-const MILD: [f64; 2] = [6.0 * std::f64::consts::PI / 180.0, 11.0 * std::f64::consts::PI / 180.0];
-
 /// The passes that bring the legs into reach, the joints into range and the pressure into the support, a few times over, as each
 /// disturbs the others; what care they took, and m that the ZMP was out of the support before each. `uneven`: heels and knees go by
 /// their ankles' ranges in walks too.
@@ -93,19 +88,12 @@ pub(super) fn converge(
     (care, zmp_before_pass)
 }
 
-/// Where heels and knees go by their ankles' ranges in walks too: in a crouch, and where some foot stands aslant, higher or lower, but not
-/// on mild grades, and not on stairs, by name or of triangles: a heel that is up there takes its foot into a riser (8 mm, one flight of
-/// four). On level ground they go as `swing` says, over a base clip as the clip does. `grades`: rad, ahead.
-pub(super) fn heels_may_rise(timeline: &Timeline, ticks: &[TickState], plants: &[Plant], grades: &[f64]) -> bool {
-    let kind = &timeline.terrain.kind;
-    if timeline.over.is_some() || matches!(kind, GroundKind::Mesh { .. } | GroundKind::Stairs { .. }) {
-        return false;
-    }
+/// Where heels and knees go by their ankles' ranges in walks too: in a crouch, and where some foot stands aslant, higher or lower. On
+/// level ground they go as `swing` says, over a base clip as the clip does.
+pub(super) fn heels_may_rise(timeline: &Timeline, ticks: &[TickState], plants: &[Plant]) -> bool {
     let level = |plant: &Plant| plant.normal.y > 1.0 - LEVEL && (plant.ankle.y - plants[0].ankle.y).abs() < LEVEL;
     let uneven = timeline.terrain.moves() || !plants.iter().all(level);
-    let steepest = grades.iter().copied().fold(0.0, f64::max);
-    let mild = matches!(kind, GroundKind::Slope { .. }) && (MILD[0]..MILD[1]).contains(&steepest);
-    uneven && !mild || ticks.iter().any(|tick| tick.crouched > 0.0)
+    timeline.over.is_none() && (uneven || ticks.iter().any(|tick| tick.crouched > 0.0))
 }
 
 /// The lowering and the bends in the air that each other need: the swinging legs' mass moves the hips, and a hip that is lowered takes

@@ -209,10 +209,10 @@ impl FootPath {
         }
     }
 
-    /// rad, the pitch that a foot in the air has then.
-    pub(super) fn pitch_aloft(&self, time: f64) -> f64 {
+    /// rad, the pitch that a foot in the air has then, and how much of its way is behind it, from 0 to 1.
+    pub(super) fn aloft(&self, time: f64) -> (f64, f64) {
         let swing = self.swings.iter().rev().find(|swing| time > swing.lift);
-        swing.map_or(0.0, |swing| swing.pitch(time) + self.extra.at(time)[0])
+        swing.map_or((0.0, 0.0), |swing| (swing.pitch(time) + self.extra.at(time)[0], swing.along(time)))
     }
 
     /// How far the foot rolls either way about a point of it before its sole's edge sinks too deep.

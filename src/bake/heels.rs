@@ -7,6 +7,7 @@
 
 use super::ankles::{Bound, fitted};
 use super::timeline::Timeline;
+use crate::maths::curve::bump;
 use crate::measure::joints::LegAngles;
 use crate::model::Side;
 use crate::whole_body::solve::Solved;
@@ -15,7 +16,7 @@ use crate::whole_body::solve::Solved;
 const MARGIN: f64 = 1.5 * std::f64::consts::PI / 180.0;
 /// rad, how far a heel comes up at most, with the roll that it has anyway: toes bend by 60 degrees.
 pub(super) const MOST_PITCH: f64 = 54.0 * std::f64::consts::PI / 180.0;
-/// rad, the same of a foot in the air, whose toes turn with it from there on.
+/// rad, the same of a foot in the midst of its way through the air, whose toes turn with it from there on: as high as it is.
 const ALOFT: f64 = 85.0 * std::f64::consts::PI / 180.0;
 /// rad, a heel this low is down: 1 mm under a foot of 0.19 m from heel to ball.
 const DOWN: f64 = 0.3 * std::f64::consts::PI / 180.0;
@@ -36,7 +37,10 @@ pub(super) fn raise(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved]
                 let time = index as f64 * dt;
                 let room = path.heel_room(time, dt).map_or([0.0; 2], |pitch| match pitch {
                     Some(pitch) => [0.0, (MOST_PITCH - pitch).max(0.0)],
-                    None => [0.0, (ALOFT - path.pitch_aloft(time)).max(0.0)],
+                    None => {
+                        let (pitch, u) = path.aloft(time);
+                        [0.0, (MOST_PITCH + (ALOFT - MOST_PITCH) * bump(u) - pitch).max(0.0)]
+                    }
                 });
                 let Some(angles) = legs.at(&solved[index].pose, side) else { return Bound { room, wanted: room } };
                 let bare = angles[2] + path.raised.at(time);

@@ -212,7 +212,7 @@ pub fn perform_over(
         loads,
     };
     let plants: Vec<Plant> = start.iter().copied().chain(steps.iter().map(|step| step.to)).collect();
-    let uneven = converge::heels_may_rise(&timeline, ticks, &plants, &grades);
+    let uneven = converge::heels_may_rise(&timeline, ticks, &plants);
     let (care, zmp_before_pass) = converge::converge(&mut timeline, (&cop, &pushes), scale, uneven);
     // The swinging legs' mass moves the hips: the bends stay, so that this lowering is the one that they need.
     converge::settle(&mut timeline, scale, &care);
