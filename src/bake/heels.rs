@@ -13,13 +13,17 @@ use crate::model::Side;
 use crate::whole_body::solve::Solved;
 
 /// rad, by which flexion stays inside of its range: the passes after the last fit move legs by a degree.
-const MARGIN: f64 = 1.5 * std::f64::consts::PI / 180.0;
+const MARGIN: f64 = 3.0 * std::f64::consts::PI / 180.0;
 /// rad, how far a heel comes up at most, with the roll that it has anyway: toes bend by 60 degrees.
 pub(super) const MOST_PITCH: f64 = 54.0 * std::f64::consts::PI / 180.0;
 /// rad, the same of a foot in the midst of its way through the air, whose toes turn with it from there on: as high as it is.
 const ALOFT: f64 = 85.0 * std::f64::consts::PI / 180.0;
 /// rad, a heel this low is down: 1 mm under a foot of 0.19 m from heel to ball.
 const DOWN: f64 = 0.3 * std::f64::consts::PI / 180.0;
+/// Entries after a heel's strike has settled in which its ankle is looked at.
+const SEEN: usize = 2;
+/// s, the end of a clip in which a heel's rise for the next step is not known: what a stride's takes.
+const UNKNOWN: f64 = 0.42;
 /// How much slower than a foot in the air one turns that carries.
 const SLOWER: f64 = 1.3;
 
@@ -29,9 +33,21 @@ pub(super) fn raise(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved]
     let dt = timeline.dt;
     let mut any = false;
     let first = (timeline.still_until / dt).round() as usize;
+    // The lift that a heel rises for may lie behind the end of a clip that ends in the midst of a walk.
+    let ends = timeline.walking.last().is_some_and(|walking| *walking > 0.0);
+    let known = if ends { solved.len().saturating_sub((UNKNOWN * scale / dt) as usize) } else { solved.len() };
     for side in Side::BOTH {
         let [least, most] = legs.ranges(side)[2];
         let path = &mut timeline.feet.feet[side as usize];
+        // A heel does not strike that must be up as soon as the weight is on it.
+        for swing in path.swings.iter_mut().filter(|swing| swing.strike < 0.0) {
+            let last = ((swing.land + swing.settle) / dt).ceil() as usize + SEEN;
+            let strained = |index: usize| legs.at(&solved[index].pose, side).is_some_and(|angles| angles[2] > most);
+            if ((swing.land / dt) as usize..=last).any(|index| index < solved.len() && strained(index)) {
+                swing.strike = 0.0;
+                any = true;
+            }
+        }
         let mut bounds: Vec<Bound> = (0..solved.len())
             .map(|index| {
                 let time = index as f64 * dt;
@@ -39,13 +55,13 @@ pub(super) fn raise(timeline: &mut Timeline, legs: &LegAngles, solved: &[Solved]
                     Some(pitch) => [0.0, (MOST_PITCH - pitch).max(0.0)],
                     None => {
                         let (pitch, u) = path.aloft(time);
-                        [0.0, (MOST_PITCH + (ALOFT - MOST_PITCH) * bump(u) - pitch).max(0.0)]
+                        [0.0, (MOST_PITCH + (ALOFT - MOST_PITCH) * bump(u).sqrt() - pitch).max(0.0)]
                     }
                 });
                 let Some(angles) = legs.at(&solved[index].pose, side) else { return Bound { room, wanted: room } };
                 let bare = angles[2] + path.raised.at(time);
                 let wanted = [bare - most + MARGIN + DOWN, bare - least].map(|end| end.clamp(room[0], room[1]));
-                Bound { room, wanted }
+                Bound { room, wanted: if index < known { wanted } else { [0.0, room[1]] } }
             })
             .collect();
         // As it stands when nobody has disturbed it yet.

@@ -88,8 +88,11 @@ impl Swing {
         } else {
             (peak, heel_off, peak_after, FASTEST_ROLL)
         };
+        // Toes that point up as on level ground are less far from ground that rises.
+        let ahead = DVec3::new(real::sin(yaw), 0.0, real::cos(yaw));
+        let rises = real::atan2(-step.to.normal.dot(ahead), step.to.normal.y).max(0.0).to_degrees();
         let strike = if forward > 0.12 {
-            -(30.0 * (forward - 0.05)).min(if walks { 20.0 } else { 18.0 })
+            -((30.0 * (forward - 0.05)).min(if walks { 20.0 } else { 18.0 }) - rises).max(0.0)
         } else if forward < -0.10 {
             (40.0 * (-forward - 0.05)).min(12.0)
         } else {
