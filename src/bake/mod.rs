@@ -10,6 +10,7 @@ mod balance;
 pub mod base;
 mod care;
 pub mod carried;
+mod cast;
 mod chain;
 mod clearance;
 pub mod contacts;

@@ -4,29 +4,30 @@
 //! Scenario space, SI. What comes out is a [`Timeline`] that gives the pose at any time; keys are made elsewhere.
 
 use super::base::{Base, Over, over::whole};
-use super::carried::{self, Carried};
+use super::carried::Carried;
+use super::cast::Cast;
 use super::contacts::FootContact;
 use super::ragdoll::{self, Drive};
-use super::throws::{self, Ball};
+use super::throws::Ball;
 use super::timeline::Timeline;
 use super::{BakeError, BakeOptions, converge, feet, footing, played, pushes, slant};
 use crate::maths::curve::smooth3;
-use crate::measure::{KnownPush, PushPoint};
+use crate::measure::KnownPush;
 use crate::model::scenario::{Feet, Scenario};
 use crate::model::{Body, Side, Terrain};
-use crate::sim::{Ahead, Script, SessionPush, SimulateOptions, TickState, Trace, simulate};
+use crate::sim::{Ahead, Script, TickState, Trace};
 use crate::stepper::{Phase, Physique, Plant, Step, Style};
 use crate::whole_body::reaction::{Personality, Reaction, UpperAngles};
 use crate::whole_body::solve::Solved;
 use crate::whole_body::stoop::Stoop;
 use crate::whole_body::struck::{Blow, struck};
 use crate::whole_body::sway::Sway;
-use crate::whole_body::{Anatomy, Solver, stand};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
 /// s, in which a walk that is a base clip's is left at first and come back to at last.
 const ENDS: f64 = 0.12;
+
 /// A performed scenario.
 #[derive(Clone, Debug)]
 pub struct Performance {
@@ -79,159 +80,23 @@ pub fn perform_over(
     if let Drive::Ragdoll(helped) | Drive::Auto(helped) = drive {
         return played::perform::perform(body, scenario, seed, (helped, ahead), base);
     }
-    let anatomy = Anatomy::new(body);
-    let mut over = base.map(|base| Over::new(base, body, &anatomy, scenario)).transpose()?;
-    let physique = stand::physique(body, &anatomy);
-    let physique = over.as_ref().map_or(physique, |over| over.physique(&physique));
-    let (carried, loads) = carried::carried(body, &anatomy, scenario);
-    let style = style(scenario);
-    let options = SimulateOptions { duration: scenario.duration, style, ..SimulateOptions::default() };
-    let most = ((options.duration + options.extra) / options.dt).ceil() as usize + 2;
-    let physiques = carried::physiques(body, &anatomy, (&carried, &loads), options.dt, most);
-    let mut script = Script { physiques, ..Script::of(scenario, Vec::new()) };
+    let mut cast = Cast::new(body, scenario, base)?;
     let mut pushes = pushes::known(body, scenario);
-    let mut trace = match &over {
-        Some(Over::Walk(walked)) => {
-            script.walk = vec![walked.lane()];
-            let from = pushes.iter().map(|(push, _)| push.start).fold(whole(scenario, options.dt), f64::min);
-            walked.walk_on(from, &options, &pushes, &|options, pushes| {
-                run(body, &anatomy, &physique, &script, options, pushes)
-            })
-        }
-        _ => run(body, &anatomy, &physique, &script, &options, &pushes),
-    };
-    let mut balls = Vec::new();
-    let tosses = throws::tosses(scenario, seed);
-    for toss in &tosses {
-        let index = (toss.arrives / trace.dt).round() as usize;
-        let Some(tick) = trace.ticks.get(index) else { break };
-        let measures = script.physiques.get(index).unwrap_or(&physique);
-        let ground = tick.feet[0].ankle.y.min(tick.feet[1].ankle.y);
-        let com = DVec3::new(tick.com.x, ground + measures.com_height, tick.com.z);
-        let target = stand::stand_target(body, &tick.feet, com, tick.facing);
-        let hold = carried::hold(&carried, &loads, toss.arrives);
-        let solved = Solver::new(body, &anatomy).solve(&hold.map_or(target, |hold| target.holding(hold)));
-        let ball = toss.meet(&throws::Standing {
-            body,
-            pose: &solved.pose,
-            velocity: tick.velocity,
-            facing: tick.facing,
-            mass: measures.mass,
-            load: loads.iter().find(|load| load.span[0] <= toss.arrives && toss.arrives <= load.span[1]),
-        });
-        if let Some(hit) = &ball.hit {
-            pushes.push((hit.push, false));
-            pushes.sort_by(|a, b| a.0.start.total_cmp(&b.0.start));
-            // What was before does not change: the next ball meets a body that this one has pushed.
-            trace = run(body, &anatomy, &physique, &script, &options, &pushes);
-        }
-        balls.push(ball);
-    }
+    let mut trace = cast.first_run(&pushes);
+    let balls = cast.throw(seed, &mut pushes, &mut trace);
     check(&trace)?;
     let acted = pushes.iter().zip(&trace.pushes);
     let pushes: Vec<KnownPush> = acted.map(|((push, _), acted)| KnownPush { force: acted.force, ..*push }).collect();
-    let scale = (physique.com_height / 0.96).sqrt();
-    let count = ((whole(scenario, trace.dt) / trace.dt).round() as usize + 1).min(trace.ticks.len());
-    let ticks = &trace.ticks[..count];
-    let terrain = Terrain::new(&scenario.ground);
-    let taken_up = carried.iter().filter_map(Carried::begins).fold(f64::INFINITY, f64::min);
-    let still_until = match &over {
-        Some(Over::Walk(_)) => pushes.iter().map(|push| push.start).fold(whole(scenario, trace.dt), f64::min),
-        _ => pushes::still_until(scenario, &pushes, taken_up),
-    };
-    // What the end cuts off is flown as far as it goes; who falls does not land.
-    let aloft = trace.aloft.filter(|_| trace.lost.is_none());
-    let steps: Vec<Step> = trace.steps.iter().copied().chain(aloft).collect();
-    let cop: Vec<DVec2> = ticks.iter().map(|tick| tick.cop).collect();
-    let steps = footing::sooner(&steps, &physique, &cop, trace.dt, scale);
-    let (start, mut steps) = footing::grounded(body, &terrain, &trace.start, &steps);
-    if terrain.is_flat() || scenario.ground.surface().is_some() {
-        footing::roomier(body, &terrain, &start, &mut steps, &physique);
-    }
-    let facing = ticks.last().map_or(0.0, |tick| tick.facing);
-    let busy = pushes.iter().map(|push| push.end).fold(0.0, f64::max);
-    let end = (count - 1) as f64 * trace.dt;
-    let home = match &mut over {
-        Some(Over::Stand(stood)) if trace.lost.is_none() && trace.aloft.is_none() => {
-            stood.come_home(&start, &mut steps, facing, body)
-        }
-        Some(Over::Walk(walked)) => {
-            walked.plan(&mut steps, (still_until, busy, end), body);
-            true
-        }
-        _ => false,
-    };
-    let bases = footing::bases(body, &terrain, &start, &steps, trace.dt, count);
-    let grades = if over.is_none() { slant::grades(ticks, trace.dt) } else { vec![0.0; count] };
-    let height = |index: usize| {
-        let standing = script.physiques.get(index).unwrap_or(&physique).com_height;
-        standing + bases[index] - ticks[index].crouched
-    };
-    let path = ticks.iter().enumerate().map(|(index, tick)| DVec3::new(tick.com.x, height(index), tick.com.z));
-    let mut com: Vec<DVec3> = path.collect();
-    let blows = Blow::of(body, &anatomy, &physique, &pushes);
-    let walks = matches!(over, Some(Over::Walk(_)));
-    let mut upper = upper_body(ticks, trace.dt, (&physique, &script.physiques), &blows, (seed, walks), scenario);
-    if over.is_none() {
-        let deepest = ticks.iter().map(|tick| tick.crouched).fold(0.0, f64::max);
-        let stoop = Stoop::new(body, &anatomy, &physique, deepest);
-        upper.iter_mut().zip(ticks).for_each(|(angles, tick)| stoop.add(tick.crouched, angles));
-        slant::lean(&mut upper, &grades);
-    }
-    let landed = steps.iter().map(|step| step.land).fold(busy, f64::max);
-    let left: Vec<f64> = (0..count)
-        .map(|index| over.as_ref().filter(|_| home).map_or(1.0, |over| over.left(index as f64 * trace.dt, landed, end)))
-        .collect();
-    if let Some(over) = &over {
-        over.lay(&mut com, &mut upper, &left, trace.dt, (&start, &steps, facing));
-    }
-    let curves = feet::FootCurves::new(body, &physique, &start, &steps, still_until, scale, &terrain);
-    let mut timeline = Timeline {
-        body: body.clone(),
-        anatomy,
-        dt: trace.dt,
-        still_until: if walks { 0.0 } else { still_until },
-        surprises: pushes.iter().map(|push| push.start).collect(),
-        com,
-        shift: vec![DVec3::ZERO; count],
-        lowering: vec![0.0; count],
-        walking: walking(ticks, trace.dt, scale),
-        bends: Default::default(),
-        swivels: Default::default(),
-        pelvis: [Vec::new(), Vec::new()],
-        upper,
-        feet: match &over {
-            Some(Over::Stand(stood)) => curves.over(stood.feet_and_balls()),
-            Some(Over::Walk(walked)) => curves.over_walk(body, walked.as_ref().clone()),
-            None => curves,
-        },
-        over,
-        played: None,
-        terrain,
-        carried,
-        loads,
-    };
-    let plants: Vec<Plant> = start.iter().copied().chain(steps.iter().map(|step| step.to)).collect();
-    let uneven = converge::heels_may_rise(&timeline, ticks, &plants);
-    let (care, zmp_before_pass) = converge::converge(&mut timeline, (&cop, &pushes), scale, uneven);
+    let (physique, style) = (cast.physique.clone(), cast.options.style.clone());
+    let footwork = Footwork::new(&mut cast, &trace, &pushes);
+    let ticks = &trace.ticks[..footwork.count];
+    let (mut timeline, left) = staged(cast, &footwork, (ticks, trace.dt), &pushes, seed);
+    let uneven = converge::heels_may_rise(&timeline, ticks, &footwork.plants());
+    let (care, zmp_before_pass) = converge::converge(&mut timeline, (&footwork.cop, &pushes), footwork.scale, uneven);
     // The swinging legs' mass moves the hips: the bends stay, so that this lowering is the one that they need.
-    converge::settle(&mut timeline, scale, &care);
-    if home {
-        // Both ends are the base clip's, the last where the walk is back in it.
-        let back = !matches!(&timeline.over, Some(Over::Walk(walked)) if !walked.ends_in_clip(end));
-        let held = |index: usize| {
-            let time = index as f64 * trace.dt;
-            if walks {
-                smooth3(time / ENDS) * if back { smooth3((end - time) / ENDS) } else { 1.0 }
-            } else {
-                left[index]
-            }
-        };
-        timeline.lowering.iter_mut().enumerate().for_each(|(index, lowering)| *lowering *= held(index));
-        if walks {
-            let turned = timeline.pelvis.iter_mut().flat_map(|series| series.iter_mut().enumerate());
-            turned.for_each(|(index, turn)| *turn *= held(index));
-        }
+    converge::settle(&mut timeline, footwork.scale, &care);
+    if footwork.home {
+        give_back(&mut timeline, &left, footwork.end);
     }
     let mut lost = trace.lost;
     if lost.is_some()
@@ -256,6 +121,132 @@ pub fn perform_over(
     })
 }
 
+/// Where the feet of a run go on the real ground, and back to the base clip if there is one. Metres, seconds.
+struct Footwork {
+    start: [Plant; 2],
+    steps: Vec<Step>,
+    cop: Vec<DVec2>,
+    terrain: Terrain,
+    count: usize, // ticks
+    scale: f64,   // times relative to the reference body
+    facing: f64,  // rad, at the end
+    still_until: f64,
+    busy: f64, // until the last push is over
+    end: f64,
+    home: bool, // it ends as the base clip is
+}
+
+impl Footwork {
+    fn new(cast: &mut Cast, trace: &Trace, pushes: &[KnownPush]) -> Footwork {
+        let Cast { body, scenario, physique, carried, over, .. } = cast;
+        let scale = (physique.com_height / 0.96).sqrt();
+        let count = ((whole(scenario, trace.dt) / trace.dt).round() as usize + 1).min(trace.ticks.len());
+        let ticks = &trace.ticks[..count];
+        let terrain = Terrain::new(&scenario.ground);
+        let taken_up = carried.iter().filter_map(Carried::begins).fold(f64::INFINITY, f64::min);
+        let still_until = match &over {
+            Some(Over::Walk(_)) => pushes.iter().map(|push| push.start).fold(whole(scenario, trace.dt), f64::min),
+            _ => pushes::still_until(scenario, pushes, taken_up),
+        };
+        // What the end cuts off is flown as far as it goes; who falls does not land.
+        let aloft = trace.aloft.filter(|_| trace.lost.is_none());
+        let steps: Vec<Step> = trace.steps.iter().copied().chain(aloft).collect();
+        let cop: Vec<DVec2> = ticks.iter().map(|tick| tick.cop).collect();
+        let steps = footing::sooner(&steps, physique, &cop, trace.dt, scale);
+        let (start, mut steps) = footing::grounded(body, &terrain, &trace.start, &steps);
+        if terrain.is_flat() || scenario.ground.surface().is_some() {
+            footing::roomier(body, &terrain, &start, &mut steps, physique);
+        }
+        let facing = ticks.last().map_or(0.0, |tick| tick.facing);
+        let busy = pushes.iter().map(|push| push.end).fold(0.0, f64::max);
+        let end = (count - 1) as f64 * trace.dt;
+        let home = match over {
+            Some(Over::Stand(stood)) if trace.lost.is_none() && trace.aloft.is_none() => {
+                stood.come_home(&start, &mut steps, facing, body)
+            }
+            Some(Over::Walk(walked)) => {
+                walked.plan(&mut steps, (still_until, busy, end), body);
+                true
+            }
+            _ => false,
+        };
+        Footwork { start, steps, cop, terrain, count, scale, facing, still_until, busy, end, home }
+    }
+
+    fn plants(&self) -> Vec<Plant> {
+        self.start.iter().copied().chain(self.steps.iter().map(|step| step.to)).collect()
+    }
+}
+
+/// The run as curves that poses follow, before any pass; and how far it is from its base clip at each tick, from 0 to 1.
+fn staged(
+    cast: Cast,
+    footwork: &Footwork,
+    (ticks, dt): (&[TickState], f64),
+    pushes: &[KnownPush],
+    seed: u64,
+) -> (Timeline, Vec<f64>) {
+    let Footwork { start, steps, terrain, count, scale, facing, still_until, busy, end, home, .. } = footwork;
+    let bases = footing::bases(cast.body, terrain, start, steps, dt, *count);
+    let path = ticks.iter().enumerate().map(|(index, tick)| {
+        let height = cast.physique_at(index).com_height + bases[index] - tick.crouched;
+        DVec3::new(tick.com.x, height, tick.com.z)
+    });
+    let mut com: Vec<DVec3> = path.collect();
+    let walks = matches!(cast.over, Some(Over::Walk(_)));
+    let mut upper = upper_body(&cast, (ticks, dt), pushes, (seed, walks));
+    let landed = steps.iter().map(|step| step.land).fold(*busy, f64::max);
+    let left = |over: &Over, index: usize| over.left(index as f64 * dt, landed, *end);
+    let left: Vec<f64> =
+        (0..*count).map(|index| cast.over.as_ref().filter(|_| *home).map_or(1.0, |over| left(over, index))).collect();
+    if let Some(over) = &cast.over {
+        over.lay(&mut com, &mut upper, &left, dt, (start, steps, *facing));
+    }
+    let curves = feet::FootCurves::new(cast.body, &cast.physique, start, steps, *still_until, *scale, terrain);
+    let timeline = Timeline {
+        body: cast.body.clone(),
+        anatomy: cast.anatomy,
+        dt,
+        still_until: if walks { 0.0 } else { *still_until },
+        surprises: pushes.iter().map(|push| push.start).collect(),
+        com,
+        shift: vec![DVec3::ZERO; *count],
+        lowering: vec![0.0; *count],
+        walking: walking(ticks, dt, *scale),
+        bends: Default::default(),
+        swivels: Default::default(),
+        pelvis: [Vec::new(), Vec::new()],
+        upper,
+        feet: match &cast.over {
+            Some(Over::Stand(stood)) => curves.over(stood.feet_and_balls()),
+            Some(Over::Walk(walked)) => curves.over_walk(cast.body, walked.as_ref().clone()),
+            None => curves,
+        },
+        over: cast.over,
+        played: None,
+        terrain: terrain.clone(),
+        carried: cast.carried,
+        loads: cast.loads,
+    };
+    (timeline, left)
+}
+
+/// Both ends are the base clip's, the last where the walk is back in it.
+fn give_back(timeline: &mut Timeline, left: &[f64], end: f64) {
+    let dt = timeline.dt;
+    let walks = matches!(timeline.over, Some(Over::Walk(_)));
+    let back = !matches!(&timeline.over, Some(Over::Walk(walked)) if !walked.ends_in_clip(end));
+    let held = |index: usize| {
+        let time = index as f64 * dt;
+        if walks { smooth3(time / ENDS) * if back { smooth3((end - time) / ENDS) } else { 1.0 } } else { left[index] }
+    };
+    timeline.lowering.iter_mut().enumerate().for_each(|(index, lowering)| *lowering *= held(index));
+    if walks {
+        let turned = timeline.pelvis.iter_mut().flat_map(|series| series.iter_mut().enumerate());
+        turned.for_each(|(index, turn)| *turn *= held(index));
+    }
+}
+
 /// The last entry before a planted foot is out of its leg's reach; `None` where all are reached.
 fn held_until(timeline: &Timeline) -> Option<usize> {
     let out = |(index, solved): (usize, &Solved)| {
@@ -269,40 +260,6 @@ fn held_until(timeline: &Timeline) -> Option<usize> {
 
 /// m, a planted foot that is farther than this from where it stands does not hold.
 const OUT_OF_REACH: f64 = 5e-4;
-
-fn run(
-    body: &Body,
-    anatomy: &Anatomy,
-    physique: &Physique,
-    script: &Script,
-    options: &SimulateOptions,
-    pushes: &[(KnownPush, bool)],
-) -> Trace {
-    let standing = Solver::new(body, anatomy).solve(&stand::natural_stand(body, physique));
-    let positions = standing.pose.positions(body);
-    // What is carried lifts the centre of mass.
-    let height = |time: f64| {
-        let tick = (time / options.dt).round() as usize;
-        script.physiques.get(tick).or(script.physiques.last()).unwrap_or(physique).com_height
-    };
-    let pushes: Vec<SessionPush> = pushes
-        .iter()
-        .map(|(push, turns)| SessionPush {
-            start: push.start,
-            duration: push.end - push.start,
-            force: push.force,
-            turns: *turns,
-            arm: match push.at {
-                PushPoint::Joint(joint) => positions[joint].y - height(push.start),
-                PushPoint::Segment(joint, offset) => {
-                    (positions[joint] + standing.pose.turns[joint] * offset).y - height(push.start)
-                }
-                _ => 0.0,
-            },
-        })
-        .collect();
-    simulate(physique, &Script { pushes, ..script.clone() }, options)
-}
 
 /// How much each tick is a walk, 0..1: the gait is in charge, with a soft edge.
 fn walking(ticks: &[TickState], dt: f64, scale: f64) -> Vec<f64> {
@@ -330,14 +287,33 @@ pub(super) fn check(trace: &Trace) -> Result<(), BakeError> {
     Ok(())
 }
 
+/// What trunk, head and arms do: as the run shakes them, over crouches and up slopes too.
 fn upper_body(
-    ticks: &[TickState],
-    dt: f64,
-    (physique, loaded): (&Physique, &[Physique]),
+    cast: &Cast,
+    (ticks, dt): (&[TickState], f64),
+    pushes: &[KnownPush],
+    (seed, over_a_walk): (u64, bool),
+) -> Vec<UpperAngles> {
+    let Cast { body, anatomy, scenario, physique, .. } = cast;
+    let blows = Blow::of(body, anatomy, physique, pushes);
+    let mut angles = reactions(cast, (ticks, dt), &blows, (seed, over_a_walk), scenario);
+    if cast.over.is_none() {
+        let deepest = ticks.iter().map(|tick| tick.crouched).fold(0.0, f64::max);
+        let stoop = Stoop::new(body, anatomy, physique, deepest);
+        angles.iter_mut().zip(ticks).for_each(|(angles, tick)| stoop.add(tick.crouched, angles));
+        slant::lean(&mut angles, &slant::grades(ticks, dt));
+    }
+    angles
+}
+
+fn reactions(
+    cast: &Cast,
+    (ticks, dt): (&[TickState], f64),
     blows: &[Blow],
     (seed, over_a_walk): (u64, bool),
     scenario: &Scenario,
 ) -> Vec<UpperAngles> {
+    let physique = &cast.physique;
     let personality = Personality::drawn(seed);
     let unhurried = style(scenario).unhurried();
     let mut reaction = Reaction::new(physique, personality, scenario.character.style.arms).unhurried(unhurried);
@@ -353,7 +329,7 @@ fn upper_body(
     let script = Script::of(scenario, Vec::new());
     let mut angles = Vec::with_capacity(ticks.len());
     for (index, tick) in ticks.iter().enumerate() {
-        reaction.weigh(loaded.get(index).unwrap_or(physique).mass);
+        reaction.weigh(cast.physique_at(index).mass);
         let time = index as f64 * dt;
         let senses = tick.senses(script.intent(time).stand != Feet::Both);
         let reacts = reaction.tick_struck(&senses, &struck(blows, tick.facing, time, dt), dt);
