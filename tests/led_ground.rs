@@ -243,3 +243,39 @@ fn gaps_are_stepped_over() {
         sound(name, clip);
     }
 }
+
+#[test]
+fn kerbs_are_stepped_up_and_down() {
+    let mut people = vec![(builtin(), 1.0), (builtin(), 1.3)];
+    if let Some(folder) = data::more() {
+        for name in ["gdquest_mannequiny.glb", "m2m_rig_human.glb"] {
+            people.push((surefoot::rig::load(&folder.join("rigs").join(name)).expect("the rig loads"), 1.0));
+        }
+    }
+    for (way, up) in [("up", 1.0), ("down", -1.0)] {
+        let clips: Vec<(String, f64, Baked)> = (0..20u64)
+            .into_par_iter()
+            .map(|seed| {
+                let mut draw = Seed::new(seed ^ 0x4E2B);
+                let (rig, legs) = &people[seed as usize % people.len()];
+                let rise = up * draw.between(0.03, 0.1);
+                let pace = draw.between(0.301, 0.399) * f64::sqrt(*legs);
+                let ground = format!("[ground]\nkind = \"stairs\"\nrise = {rise:.4}\ntread = 0.3\ncount = 1");
+                let character = format!("[character]\nleg_scale = {legs}");
+                let text = format!("title = \"kerb\"\nduration = 20.0\n{ground}\n{character}\n{}", walk(pace));
+                (format!("{seed}: {rise:.3} m at {pace:.2} m/s, legs {legs}"), rise, baked(rig, &text, seed))
+            })
+            .collect();
+        for (name, rise, clip) in &clips {
+            let report = &clip.report;
+            let ticks = &clip.performance.trace.ticks;
+            let (first, last) = (ticks[0].com, ticks[ticks.len() - 1].com);
+            println!("{way} {name}: {:?}, {:.1} m, score {:.2}", report.outcome, last.z, report.plausibility.score);
+            assert_ne!(report.outcome, Outcome::Fall, "{name}");
+            assert!(last.z > 3.0, "{name}: it came {:.2} m far", last.z);
+            let gained = last.y - first.y;
+            assert!((gained - rise).abs() < 0.04, "{name}: the body is {gained:.3} m higher");
+            sound(name, clip);
+        }
+    }
+}

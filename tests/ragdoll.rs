@@ -214,6 +214,14 @@ fn what_it_cannot_play_is_named_and_never_left_out() {
             "ground with edges",
         ),
         (
+            "[ground]\nkind = 'stairs'\nrise = 0.17\ntread = 0.3\ncount = 1\n[[walk]]\nstart = 0.5\nspeed = 0.35",
+            "a kerb of more than 0.1 m",
+        ),
+        (
+            "[ground]\nkind = 'stairs'\nrise = -0.05\ntread = 0.3\ncount = 1\n[[walk]]\nstart = 0.5\nspeed = 0.6",
+            "more than 0.4 m/s",
+        ),
+        (
             "[ground]\nkind = 'gaps'\nwidth = 0.25\nspacing = 1.2\n[[walk]]\nstart = 0.5\nspeed = 0.5",
             "gaps of more than 0.2 m",
         ),

@@ -34,6 +34,11 @@ const APART: f64 = 0.9 - ROUNDED;
 const CROSSES: [f64; 2] = [0.4 - ROUNDED, 0.5 + ROUNDED];
 const ASLANT: f64 = 2.0_f64.to_radians();
 
+/// m: so high is a single step, up or down; m/s at legs of usual length, Froude-equal at others: and so fast. On shortened legs a third of the
+/// walks up falls.
+const KERB: f64 = 0.1 + ROUNDED;
+const CLIMBS: [f64; 2] = [0.3 - ROUNDED, 0.4 + ROUNDED];
+
 const EDGED: [&str; 4] = [
     "[[walk]] on ground with edges",
     "[[turn]] on ground with edges",
@@ -59,6 +64,7 @@ pub(super) fn unplayed(scenario: &Scenario, base: Option<&Base>) -> Vec<&'static
         }
         GroundKind::Platform { ref pitch, ref roll } => on_platform(scenario, [pitch, roll], &mut parts),
         GroundKind::Gaps { width, spacing } => on_gaps(scenario, [width, spacing], &mut parts),
+        GroundKind::Stairs { rise, count: 1, .. } => on_kerb(scenario, rise, &mut parts),
         _ => on_edges(scenario, &mut parts),
     }
     let [walks, turns, stands] = [!scenario.walk.is_empty(), !scenario.turn.is_empty(), !scenario.stand.is_empty()];
@@ -144,6 +150,23 @@ fn on_gaps(scenario: &Scenario, [width, spacing]: [f64; 2], parts: &mut Parts) {
     let walks = walks(&|_| true);
     parts.add(walks && !scenario.turn.is_empty(), "[[turn]] beside [[walk]] over gaps");
     parts.add(walks && !scenario.stand.is_empty(), "[[stand]] beside [[walk]] over gaps");
+}
+
+/// A single step a metre ahead.
+fn on_kerb(scenario: &Scenario, rise: f64, parts: &mut Parts) {
+    let size = scenario.character.leg_scale;
+    let walks = |cannot: &dyn Fn(&Walk) -> bool| scenario.walk.iter().any(|walk| walk.speed > 0.0 && cannot(walk));
+    let turned = |walk: &Walk| walk.heading.abs().max(walk.facing.unwrap_or(walk.heading).abs()) > ASLANT;
+    let pace = size.sqrt();
+    let fast = |walk: &Walk| !(CLIMBS[0] * pace..=CLIMBS[1] * pace).contains(&walk.speed);
+    parts.add(walks(&|_| rise.abs() > KERB), "[[walk]] over a kerb of more than 0.1 m");
+    parts.add(walks(&|_| size < 1.0), "[[walk]] over a kerb on shortened legs");
+    parts.add(walks(&fast), "[[walk]] over a kerb at less than 0.3 or more than 0.4 m/s");
+    parts.add(walks(&turned), "[[walk]] over a kerb that does not go and face straight ahead");
+    let [_, turn, crouch, stand] = EDGED;
+    parts.add(!scenario.turn.is_empty(), turn);
+    parts.add(!scenario.crouch.is_empty(), crouch);
+    parts.add(!scenario.stand.is_empty(), stand);
 }
 
 /// Stairs, a mesh.

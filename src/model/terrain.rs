@@ -99,6 +99,11 @@ impl Terrain {
         matches!(self.kind, GroundKind::Gaps { .. })
     }
 
+    /// Has it level treads at different heights?
+    pub fn has_treads(&self) -> bool {
+        matches!(self.kind, GroundKind::Stairs { .. })
+    }
+
     /// m, from where to where, along z, the tread reaches that has that z, or the ground between two gaps that is nearest to it; `None` where
     /// there is no such thing.
     pub fn floor(&self, z: f64) -> Option<[f64; 2]> {

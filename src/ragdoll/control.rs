@@ -137,6 +137,7 @@ pub struct Controller {
     pub stance: Option<Stance>,
     pub(super) guided: bool, // the swing under way is the guide's
     pub(super) uphill: f64,  // rad, how far the trunk leans for ground that rises before it
+    pub(super) treads: bool, // the ground has them
     pub(super) leans: f64,   // rad, how far the trunk is to lean forwards
 }
 
@@ -176,6 +177,7 @@ impl Controller {
             stance: None,
             guided: false,
             uphill: 0.0,
+            treads: false,
             leans: 0.0,
             aimed: states[0].origin.y,
             heading: yaw_of(states[0].turn),
@@ -258,6 +260,7 @@ impl Controller {
         self.strain(world);
         self.slants = Side::BOTH.map(|side| slant(figure, terrain, flat(self.foot(figure, side).0)));
         self.soles = Side::BOTH.map(|side| self.sole(figure, terrain, side));
+        self.treads = terrain.has_treads();
         let floor = self.floor(figure, terrain);
         let height = (self.motion.com.y - floor).max(0.3 * self.stand_height);
         let rate = (GRAVITY / height).sqrt();
@@ -284,7 +287,8 @@ impl Controller {
         let mut sum = (0.0, 0.0);
         for side in Side::BOTH {
             if self.swing.is_none_or(|swing| swing.side != side) {
-                sum.0 += terrain.spot(flat(self.foot(figure, side).0)).height;
+                let (ankle, yaw) = self.foot(figure, side);
+                sum.0 += self.under_sole(terrain, side, flat(ankle), yaw);
                 sum.1 += 1.0;
             }
         }

@@ -10,6 +10,7 @@ mod ground;
 pub mod guide;
 mod help;
 mod joints;
+mod kerb;
 mod linear;
 pub mod plan;
 mod ranges;

@@ -5,10 +5,12 @@
 
 use super::control::Controller;
 use super::figure::Figure;
+use super::kerb;
 use super::ranges::leaning;
 use super::sole::POINTS;
 use super::{flat, short};
 use crate::maths::curve::smooth3;
+use crate::maths::quat::yaw_of;
 use crate::maths::real;
 use crate::model::{Side, Terrain};
 use glam::{DQuat, DVec3};
@@ -20,7 +22,7 @@ const HEEDS: f64 = 0.04;
 const LONG: [f64; 2] = [0.45, 0.75];
 const BROAD: f64 = 0.1;
 
-/// m, as how much lifted what is over a gap counts: more than any foot.
+/// m, as how much lifted what is over a gap or a lower tread counts: more than any foot.
 pub(super) const OVER: f64 = 1e3;
 
 /// How a sole is to lie.
@@ -110,9 +112,11 @@ impl Controller {
         // It turns about what is lowest now and stays so.
         let at: [DVec3; POINTS] =
             std::array::from_fn(|index| figure.carried(&self.states, side, index, corners[index]));
-        // What is over a gap bears nothing.
-        for (at, lifted) in at.iter().zip(&mut lifted).filter(|_| terrain.has_gaps()) {
-            if !terrain.spot(flat(*at)).holds {
+        // What is over a gap or a lower tread bears nothing.
+        let under = self.under_sole(terrain, side, flat(state.origin), yaw_of(state.turn)) - kerb::LOWER * self.size;
+        for (at, lifted) in at.iter().zip(&mut lifted).filter(|_| terrain.has_gaps() || terrain.has_treads()) {
+            let spot = terrain.spot(flat(*at));
+            if !spot.holds || spot.height < under {
                 *lifted = OVER;
             }
         }

@@ -171,7 +171,7 @@ impl Controller {
         }
     }
 
-    /// m, the place nearest to that one, along z, where a foot's sole is off the edges of gaps.
+    /// m, the place nearest to that one, along z, where a foot's sole is off the edges of the ground.
     fn off_edges(&self, figure: &Figure, terrain: &Terrain, side: Side, ankle: DVec2, yaw: f64) -> DVec2 {
         let turn = DQuat::from_rotation_y(yaw);
         let span = figure.soles[side as usize].iter().map(|corner| (turn * *corner).z);
@@ -187,14 +187,17 @@ impl Controller {
         let left = (swing.time - passed).max(0.0);
         swing.yaw += wrap_angle(self.foot_heading(swing.side) - swing.yaw) * (dt / (left + dt)).min(1.0);
         let stands = swing.target - self.ahead(swing.side, swing.yaw);
-        let stands = if self.guided || !terrain.has_gaps() {
+        let stands = if self.guided || !terrain.has_gaps() && !terrain.has_treads() {
             stands
         } else {
             self.off_edges(figure, terrain, swing.side, stands, swing.yaw)
         };
         let goal = stands + slant(figure, terrain, stands);
         // Off the ground before it travels.
-        let [rise, arrives] = if self.guided { guide::TRAVELS } else { [self.tuning.rise, ARRIVES] };
+        let ground = self.under_sole(terrain, swing.side, stands, swing.yaw);
+        let usual = if self.guided { guide::TRAVELS } else { [self.tuning.rise, ARRIVES] };
+        let way = self.over_kerb(figure, terrain, &swing, (stands, ground));
+        let [rise, arrives] = way.map_or(usual, |way| way.travels);
         if !down && !self.guided || passed > rise * swing.time {
             swing.free = true;
         }
@@ -203,11 +206,12 @@ impl Controller {
             swing.reference = swing::onwards(&swing.reference, goal, left, dt);
         }
         let x = (passed + dt) / (swing::LANDS * swing.time);
-        let ground = terrain.spot(stands).height;
         let base = swing.from.y + (ground - swing.from.y) * x.clamp(0.0, 1.0);
         let speed = 1.0 / (swing::LANDS * swing.time);
         let [y, v, a] = if self.guided {
-            swing::over(&swing.reference, [base + swing.lift, ground], self.tempo(), (passed, swing.time), dt)
+            let (top, highest) =
+                way.map_or((base + swing.lift, swing::HIGHEST), |way| (base.max(way.over) + way.lift, way.highest));
+            swing::over(&swing.reference, [top, ground], self.tempo(), (passed, swing.time, highest), dt)
         } else if x < 1.0 {
             let [l, d, a] = swing::lift(x);
             [base + swing.lift * l, swing.lift * d * speed, swing.lift * a * speed * speed]

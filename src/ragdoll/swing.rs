@@ -58,7 +58,7 @@ pub(super) fn lift(x: f64) -> [f64; 3] {
 }
 
 /// Share of a led swing at which its foot is highest: early, as people's is. m/s at legs of 0.83 m, how fast it comes down.
-const HIGHEST: f64 = 0.35;
+pub(super) const HIGHEST: f64 = 0.35;
 const LANDING: f64 = 0.37;
 /// m/s, how fast a foot goes on down that is late.
 const SINKS: f64 = 0.6;
@@ -69,11 +69,11 @@ pub(super) fn over(
     reference: &Reference,
     [top, ground]: [f64; 2],
     tempo: f64,
-    (passed, time): (f64, f64),
+    (passed, time, highest): (f64, f64, f64),
     dt: f64,
 ) -> [f64; 3] {
     let from = [reference.at.y, reference.velocity.y, reference.acceleration.y];
-    let (highest, lands) = (HIGHEST * time, LANDS * time);
+    let (highest, lands) = (highest * time, LANDS * time);
     if passed < highest {
         quintic(from, [top, 0.0], highest - passed, dt)
     } else if passed < lands - dt {

@@ -5,6 +5,7 @@ use super::dynamics::{Acceleration, LegMap, Wrench};
 use super::figure::{Figure, Freedom, Part};
 use super::forces::Corner;
 use super::guide;
+use super::kerb;
 use super::ranges::leaning;
 use super::slope;
 use super::sole::POINTS;
@@ -62,13 +63,11 @@ impl Controller {
                     let left = (swing.start + swing.time - self.time).max(0.0);
                     let goal = swing.target - self.ahead(side, swing.yaw);
                     let drift = flat(self.motion.velocity) * left;
-                    let lands = terrain.spot(goal).height;
-                    let at = DVec3::new(
-                        goal.x - drift.x,
-                        self.states[ankle].origin.y.min(lands + figure.ankle_height),
-                        goal.y - drift.y,
-                    );
-                    (at, arrives + 0.05 * left / swing.time)
+                    let lands = self.under_sole(terrain, side, goal, swing.yaw) + figure.ankle_height;
+                    let kerb = self.guided && self.treads;
+                    let y = if kerb { lands } else { self.states[ankle].origin.y.min(lands) };
+                    let early = if kerb { kerb::REACHES } else { 0.05 };
+                    (DVec3::new(goal.x - drift.x, y, goal.y - drift.y), arrives + early * left / swing.time)
                 }
                 _ => {
                     // Who is at ease stands as in the stand, almost straight.
@@ -148,8 +147,13 @@ impl Controller {
         let corners = figure.soles[swing.side as usize].iter();
         let lowest = corners.map(|corner| (turn * *corner).dot(up)).fold(0.0, f64::min);
         let share = (self.time - swing.start) / (LANDS * swing.time);
-        let (aloft, most) =
-            if self.guided { (guide::aloft(share), guide::CLEARS) } else { (swing::lift(share)[0], CLEARS) };
+        let (aloft, most) = if self.guided && self.treads {
+            (kerb::aloft(share), kerb::CLEARS)
+        } else if self.guided {
+            (guide::aloft(share), guide::CLEARS)
+        } else {
+            (swing::lift(share)[0], CLEARS)
+        };
         let under = (-lowest - figure.ankle_height).clamp(0.0, most * self.size);
         swing.reference.at + DVec3::Y * (figure.ankle_height + under * aloft)
     }

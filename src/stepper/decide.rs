@@ -5,7 +5,7 @@
 
 use super::balance::steady_lean;
 use super::foothold::{ankles, beside, corrective, middle_after};
-use super::footing::{ROOM, apart, set_down_by};
+use super::footing::{ROOM, apart, set_down_by, stepped};
 use super::support::{Support, Tread};
 use super::{Intent, Params, Passing, Physique, Plant, State, StepKind, Swing};
 use super::{control::wrap, footfall, foothold, ground, swing};
@@ -226,7 +226,7 @@ pub fn replan(params: &Params, physique: &Physique, terrain: &Terrain, state: &m
     swing.aim += (ground(wanted.ankle) - swing.aim).clamp_length_max(most);
     let beside = landing(params, physique, state, &swing, wanted.yaw);
     let by = state.feet[swing.side.other() as usize];
-    swing.to = set_down_by(terrain, physique, &by, beside, (wanted.yaw, swing.land));
+    swing.to = stepped(params, (terrain, physique), state, &by, beside, (wanted.yaw, swing.land));
     let detour = swing::detour(ground(swing.from.ankle), ground(swing.to.ankle), stance, swing.round, params.gap);
     swing.detour += (detour - swing.detour).clamp_length_max(most);
     state.swing = Some(swing);

@@ -3,7 +3,7 @@
 
 use super::control::wrap;
 use super::gait::{self, Rhythm};
-use super::{Params, Physique, Plant, State, Swing, footing, ground, pace, support, swing, turn, walk};
+use super::{Params, Physique, Plant, State, Swing, footing, ground, kerb, pace, support, swing, turn, walk};
 use crate::maths::pendulum;
 use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
@@ -55,7 +55,7 @@ pub fn plan(
 
 /// Are steps timed so that they land off the edges of the ground?
 pub fn fits(params: &Params, terrain: &Terrain, state: &State) -> bool {
-    params.fits && terrain.has_gaps() && !state.gait.spot
+    params.fits && !state.gait.spot && (terrain.has_gaps() || kerb::near(params, terrain, state))
 }
 
 /// m of the reference body: a landing over a gap, and one before it, are that far apart at least; which it is is chosen before the foot leaves.
@@ -63,6 +63,8 @@ const ELSEWHERE: f64 = 0.1;
 /// What a landing counts beside how far it is from where it is wanted: m of the reference body for a step's time that it is later or
 /// sooner than usual, and m for each that it is wider than usual.
 const UNTIMELY: f64 = 0.3;
+/// As `UNTIMELY`, where the foothold is chosen for an edge: to be a little late is better than to fall short of it.
+const PATIENT: f64 = 0.05;
 const WIDER: f64 = 0.5;
 /// m of the reference body, the widest landing of such a step: one on the way over a gap is late, and what is late falls to the side.
 const WIDEST: f64 = 0.4;
@@ -77,7 +79,7 @@ const WAITS_MOST: f64 = 0.15;
 /// m of the reference body, so far from where it is wanted a landing may be: the ankles make up for it.
 const EASY: f64 = 0.1;
 
-/// The landing on ground with gaps: at the time, sooner or later, at which what is wanted is nearest to where the whole sole is held. ξ
+/// The landing on ground with gaps or near a kerb: at the time, sooner or later, at which what is wanted is nearest to where the whole sole is held. ξ
 /// runs away from the foot that stands, so a later step is a longer one.
 fn fitted(
     params: &Params,
@@ -93,13 +95,20 @@ fn fitted(
     let swing = state.swing.filter(|swing| swing.side == side);
     let gone = swing.map_or(0.0, |swing| state.time - swing.lift);
     let usual = wait + (rhythm.step - rhythm.double - gone).max(0.0);
+    let natural = ground(landing(params, physique, state, &rhythm, side, (wait, time)).plant.ankle).y;
+    let edge = terrain.has_treads().then(|| kerb::ahead(params, physique, terrain, state, (&rhythm, side), natural));
+    let chosen = edge.flatten();
+    let [untimely, waits] = if chosen.is_some() { [PATIENT, 0.0] } else { [UNTIMELY, WAITS] };
     let held = |times: (f64, f64)| {
         let found = landing(params, physique, state, &rhythm, side, times);
         let ankle = ground(found.plant.ankle);
         let lands = state.time + times.0 + times.1;
         let there = footing::set_down_by(terrain, physique, &by, ankle, (found.plant.yaw, lands));
         let elsewhere = |swing: &Swing| ground(swing.to.ankle).distance(ground(there.ankle)) > ELSEWHERE * params.size;
-        let plant = swing.filter(elsewhere).map_or(there, |swing| swing.to);
+        let plant = match chosen {
+            Some(z) => kerb::stood(terrain, physique, DVec2::new(ankle.x, z), found.plant.yaw),
+            None => swing.filter(elsewhere).map_or(there, |swing| swing.to),
+        };
         let com = touchdown(params, physique, state, &rhythm, (side, state.cop), times).0;
         let far = (ground(plant.ankle).distance(com) - WITHIN * params.reach).max(0.0);
         Footfall { plant, off: found.off + ground(plant.ankle).distance(ankle) + far, ..found }
@@ -108,7 +117,7 @@ fn fitted(
         let beside = (ground(found.plant.ankle) - ground(by.ankle)).dot(state.aside()) * side.sign();
         let late = (found.wait + found.time - usual).abs() / rhythm.step;
         let wide = if beside > WIDEST * params.size { 1.0 + beside } else { 0.0 };
-        found.off + UNTIMELY * params.size * late + WIDER * (beside - rhythm.width).abs() + wide
+        found.off + untimely * params.size * late + WIDER * (beside - rhythm.width).abs() + wide
     };
     let whole = wait + time;
     let mut best = held((wait, time));
@@ -121,7 +130,7 @@ fn fitted(
             let lifts = if lands < whole {
                 (wait * lands / whole).max(least.0.min(wait))
             } else if wait > 0.0 {
-                wait + (WAITS * (lands - whole)).min(WAITS_MOST * params.tempo)
+                wait + (waits * (lands - whole)).min(WAITS_MOST * params.tempo)
             } else {
                 wait
             };

@@ -4,7 +4,7 @@
 //! feet know the ground. Scenario space unless a name says ground frame; metres, radians.
 
 use super::control::wrap;
-use super::{Params, Physique, Plant, State, ground, mesh, support};
+use super::{Params, Physique, Plant, State, ground, kerb, mesh, support};
 use crate::maths::real;
 use crate::model::scenario::GroundKind;
 use crate::model::terrain::FIRST;
@@ -44,6 +44,21 @@ pub fn set_down_by(terrain: &Terrain, physique: &Physique, by: &Plant, ankle: DV
         GroundKind::Mesh { .. } => mesh::set_down(terrain, physique, Some(by), ankle, yaw),
         _ => set_down(terrain, physique, ankle, yaw, time),
     }
+}
+
+/// The same for a step of the gait: near a kerb, where the step that leads over it needs it.
+pub fn stepped(
+    params: &Params,
+    (terrain, physique): (&Terrain, &Physique),
+    state: &State,
+    by: &Plant,
+    ankle: DVec2,
+    (yaw, time): (f64, f64),
+) -> Plant {
+    if params.fits && kerb::near(params, terrain, state) {
+        return kerb::stood(terrain, physique, ankle, yaw);
+    }
+    set_down_by(terrain, physique, by, ankle, (yaw, time))
 }
 
 /// The ground under the ankle of a foot that is or was somewhere: where it stands if it stands there, rad and s its yaw and the time.

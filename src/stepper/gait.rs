@@ -6,7 +6,7 @@
 //! that pivot the paper's formula gives the step's length. Sources: Kenwright (2013), step distance with residual
 //! speed; Hof (2008), steady gait by the extrapolated centre of mass; Sekiya (1997), walk ratio.
 
-use super::{Params, Physique, footing, support};
+use super::{Params, Physique, footing, kerb, support};
 use crate::maths::pendulum;
 use crate::maths::real;
 use crate::model::Side;
@@ -29,13 +29,13 @@ pub struct Rhythm {
 const SLOW: [f64; 2] = [0.3, 0.7];
 
 /// The rhythm in which people walk at that velocity, m/s (x, z), and turn at that rate, rad/s, where no step is longer
-/// than `longest` m; a slow walk takes its time the less the more it is `hurried`, 0 to 1.
+/// than `longest` m, or all are `even` m long; a slow walk takes its time the less the more it is `hurried`, 0 to 1.
 pub fn rhythm(
     params: &Params,
     physique: &Physique,
     ahead: DVec2,
     velocity: DVec2,
-    (turn, longest): (f64, f64),
+    (turn, longest, even): (f64, f64, Option<f64>),
     hurried: f64,
 ) -> Rhythm {
     let pace = velocity * (params.tempo / params.size); // of the reference body
@@ -50,6 +50,8 @@ pub fn rhythm(
     let least = params.cadence[0] + (params.cadence[1] - params.cadence[0]) * quick;
     let cadence = (60.0 * speed / ratio.max(1e-4)).sqrt().max(least.max(66.0 + 36.0 * spin));
     let step = (60.0 / cadence).min(longest / params.size / speed.max(1e-9));
+    let [least, most] = kerb::TAKES;
+    let step = even.map_or(step, |even| (even / params.size / speed.max(1e-9)).clamp(least, most));
     let share = (0.24 - 0.133 * (speed - 1.2)).clamp(0.14, 0.36);
     let travel = speed * step * across.abs() * params.size;
     let foot = physique.tip - physique.heel;

@@ -16,6 +16,7 @@ mod foothold;
 pub mod footing;
 mod gait;
 mod grip;
+mod kerb;
 mod legs;
 mod mesh;
 mod pace;

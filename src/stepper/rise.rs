@@ -15,6 +15,9 @@ use glam::{DVec2, DVec3};
 
 /// Share of a step in which the leg of a higher foothold goes back to full: over the foot it is.
 const STRETCHES: f64 = 0.85;
+/// s, of the reference body, that takes a body of links at least on a kerb; and its time constant: with 0.05, 16 of 20 walks down kerbs of 5
+/// to 12 cm keep their feet, with this 18.
+const SOFT: [f64; 2] = [0.6, 0.08];
 /// s, of the reference body: rest lengths follow ground that moves, and footholds that are aimed anew, within so long.
 const FOLLOWS: f64 = 0.12;
 /// s, of the reference body: time constant of the rest lengths behind all that.
@@ -133,7 +136,8 @@ pub fn follow(params: &Params, physique: &Physique, terrain: &Terrain, state: &m
             let lands = state.swing.map_or(step - state.settled, |swing| swing.land - state.time);
             (stance + state.gait.rise, lands)
         } else {
-            (stance, STRETCHES * step - state.settled)
+            let soft = if params.fits && terrain.has_treads() { SOFT[0] * params.tempo } else { 0.0 };
+            (stance, soft.max(STRETCHES * step) - state.settled)
         }
     } else {
         let [left, right] = Side::BOTH.map(|side| shadow(state, side).ankle.y);
@@ -148,7 +152,8 @@ pub fn follow(params: &Params, physique: &Physique, terrain: &Terrain, state: &m
     let line = under(state, ground(state.com)) - 0.5 * state.gait.rise.abs();
     let height = if share < 1.0 { full[0] * share + line * (1.0 - share) } else { full[0] };
     // footholds that are aimed anew make it jump: legs do not
-    let sharp = 1.0 / (ROUNDED * params.tempo);
+    let rounded = if params.fits && terrain.has_treads() { SOFT[1] } else { ROUNDED };
+    let sharp = 1.0 / (rounded * params.tempo);
     let rate = state.carried.rate
         + ((height - state.carried.height) * (sharp * sharp) - state.carried.rate * (2.0 * sharp)) * dt;
     state.carried = Carried { height: state.carried.height + rate * dt, rate, full };

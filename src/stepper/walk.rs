@@ -8,7 +8,7 @@ use super::gait::{self, Rhythm};
 use super::pace::{self, Pace};
 use super::support::{Support, Tread};
 use super::{
-    Inputs, Params, Physique, State, StepKind, Swing, footfall, footing, grip, ground, rise, roll, swing, turn,
+    Inputs, Params, Physique, State, StepKind, Swing, footfall, footing, grip, ground, kerb, rise, roll, swing, turn,
 };
 use super::{Passing, balance};
 use crate::maths::pendulum;
@@ -118,8 +118,12 @@ pub fn steer(params: &Params, physique: &Physique, terrain: &Terrain, state: &mu
     }
     gait.tick = dt;
     gait.longest = footing::longest(terrain, params, ground(state.com), wanted.normalize_or(state.ahead));
+    let mut slowest = footing::STAIR_STEP;
+    if params.fits && gait.longest.is_finite() {
+        (gait.longest, slowest) = (kerb::STRIDE, kerb::SLOWEST);
+    }
     let longest = gait.longest.min(gait.grip);
-    let wanted = wanted.clamp_length_max(longest / (footing::STAIR_STEP * params.tempo));
+    let wanted = wanted.clamp_length_max(longest / (slowest * params.tempo));
     let wanted = wanted.clamp_length_max(footing::fastest(terrain, params, physique, ground(state.com), wanted));
     let most = ramp * dt;
     let first = 0.5 * params.size / params.tempo;
@@ -278,9 +282,11 @@ const GENTLE: f64 = 0.05;
 /// The rhythm of the commanded velocity, in whole ticks.
 pub fn rhythm_now(params: &Params, physique: &Physique, state: &State) -> Rhythm {
     let tick = state.gait.tick;
-    let bounds = (state.gait.turn, state.gait.longest.min(state.gait.grip));
-    let hurried = if state.gait.spot { 1.0 } else { state.gait.grade.abs() / GENTLE };
-    let rhythm = gait::rhythm(params, physique, state.ahead, state.gait.velocity, bounds, hurried);
+    let gait = &state.gait;
+    let kerb = (params.fits && gait.longest.is_finite()).then_some(kerb::MEAN * kerb::STRIDE);
+    let bounds = (gait.turn, gait.longest.min(gait.grip), kerb);
+    let hurried = if gait.spot { 1.0 } else { gait.grade.abs() / GENTLE };
+    let rhythm = gait::rhythm(params, physique, state.ahead, gait.velocity, bounds, hurried);
     let slower = rise::share_of_step(physique, state, rhythm.step);
     let whole = |time: f64| (time * slower / tick).round() * tick;
     let single = whole(rhythm.step - rhythm.double).max(2.0 * tick);
@@ -308,7 +314,7 @@ fn lift(
     let to = footfall::plan(params, physique, terrain, state, side, (0.0, ticks * dt), (0.0, ticks * dt)).plant;
     let aim = ground(to.ankle);
     let beside = state.feet[side.other() as usize];
-    let to = footing::set_down_by(terrain, physique, &beside, aim, (to.yaw, land));
+    let to = footing::stepped(params, (terrain, physique), state, &beside, aim, (to.yaw, land));
     let from = state.feet[side as usize];
     let stance = ground(state.feet[side.other() as usize].ankle);
     let round = swing::round(ground(from.ankle), ground(to.ankle), stance, state.aside() * side.sign());
