@@ -275,7 +275,10 @@ fn kerbs_are_stepped_up_and_down() {
             assert!(last.z > 3.0, "{name}: it came {:.2} m far", last.z);
             let gained = last.y - first.y;
             assert!((gained - rise).abs() < 0.04, "{name}: the body is {gained:.3} m higher");
-            sound(name, clip);
+            assert!(report.plausibility.joint_excess_share <= 0.01, "{name}: joints past their ranges");
+            assert!(report.plausibility.hover_longest_s <= 0.05, "{name}: in the air");
+            assert!(report.plausibility.penetration_max_mm <= 10.0, "{name}: a sole is deep in the kerb");
+            assert!(report.plausibility.score >= 0.85, "{name}: score {:.2}", report.plausibility.score);
         }
     }
 }
