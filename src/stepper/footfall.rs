@@ -63,9 +63,9 @@ const ELSEWHERE: f64 = 0.1;
 /// What a landing counts beside how far it is from where it is wanted: m of the reference body for a step's time that it is later or
 /// sooner than usual, and m for each that it is wider than usual.
 const UNTIMELY: f64 = 0.3;
+const WIDER: f64 = 0.5;
 /// As `UNTIMELY`, where the foothold is chosen for an edge: to be a little late is better than to fall short of it.
 const PATIENT: f64 = 0.05;
-const WIDER: f64 = 0.5;
 /// m of the reference body, the widest landing of such a step: one on the way over a gap is late, and what is late falls to the side.
 const WIDEST: f64 = 0.4;
 /// Share of a leg's reach within which such a step lands.
@@ -79,8 +79,8 @@ const WAITS_MOST: f64 = 0.15;
 /// m of the reference body, so far from where it is wanted a landing may be: the ankles make up for it.
 const EASY: f64 = 0.1;
 
-/// The landing on ground with gaps or near a kerb: at the time, sooner or later, at which what is wanted is nearest to where the whole sole is held. ξ
-/// runs away from the foot that stands, so a later step is a longer one.
+/// The landing on ground with gaps or near a kerb: at the time, sooner or later, at which what is wanted is nearest to where the whole sole
+/// is held. ξ runs away from the foot that stands, so a later step is a longer one.
 fn fitted(
     params: &Params,
     physique: &Physique,
