@@ -54,6 +54,7 @@ pub struct Swing {
     pub comfort: bool,
     pub(super) reference: Reference,
     pub(super) yaw: f64,
+    pub(super) spin: f64, // rad/s, how fast that changes, of a turn on the spot
     pub(super) free: bool,
 }
 

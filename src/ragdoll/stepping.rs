@@ -162,6 +162,7 @@ impl Controller {
                     reference: Reference { at: ground, ..Reference::default() },
                     comfort: false,
                     yaw,
+                    spin: 0.0,
                     free: false,
                 });
             } else {
@@ -185,7 +186,9 @@ impl Controller {
     pub(super) fn carry_on(&mut self, figure: &Figure, mut swing: Swing, terrain: &Terrain, down: bool, dt: f64) {
         let passed = self.time - swing.start;
         let left = (swing.time - passed).max(0.0);
-        swing.yaw += wrap_angle(self.foot_heading(swing.side) - swing.yaw) * (dt / (left + dt)).min(1.0);
+        let turns = wrap_angle(self.foot_heading(swing.side) - swing.yaw) * (dt / (left + dt)).min(1.0);
+        swing.yaw += turns;
+        swing.spin = if self.guide.is_some_and(|guide| guide.spot) { turns / dt } else { 0.0 };
         let stands = swing.target - self.ahead(swing.side, swing.yaw);
         let stands = if self.guided || !terrain.has_gaps() && !terrain.has_treads() {
             stands
@@ -264,6 +267,7 @@ impl Controller {
                     comfort: true,
                     reference: Reference { at: ground, ..Reference::default() },
                     yaw,
+                    spin: 0.0,
                     free: false,
                 });
             } else if self.time - since > 2.0 * tempo {

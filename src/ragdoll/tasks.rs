@@ -113,7 +113,8 @@ impl Controller {
                 let brakes = if asked.with_y(0.0).dot(velocity) < 0.0 { tuning.brakes } else { 1.0 };
                 Acceleration {
                     linear: asked.clamp_length_max(tuning.foot_most[0] * brakes),
-                    angular: (error * stiff + (spin - state.spin) * damp).clamp_length_max(tuning.foot_most[1]),
+                    angular: (error * stiff + (spin + spot.normal * swing.spin - state.spin) * damp)
+                        .clamp_length_max(tuning.foot_most[1]),
                 }
             }
             _ => {

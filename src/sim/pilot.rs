@@ -118,6 +118,7 @@ impl Pilot {
             climbs: state.carried.rate,
             heading: state.facing,
             velocity: gait.velocity,
+            spot: gait.spot,
             swing,
             leaves: follow::leaves(state, SOON),
             stride,

@@ -146,7 +146,7 @@ fn fitted(
 
 /// s, a swing of the gait takes no less: one that turns on the spot is not in a hurry.
 pub fn least_swing(params: &Params, state: &State) -> f64 {
-    if state.gait.spot { params.least_swing.max(0.33 * params.tempo) } else { params.least_swing }
+    if state.gait.spot { params.least_swing.max(0.28 * params.tempo) } else { params.least_swing }
 }
 
 /// The swing in the air, aimed again: its landing and when that is.

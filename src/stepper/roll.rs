@@ -102,6 +102,9 @@ pub fn contact(params: &Params, state: &State, side: Side) -> DVec2 {
     ground(foot.ankle) + support::forward(foot.yaw) * params.com_forward
 }
 
+/// s of the reference body, how long before the first step the pressure goes to the foot that stands: of a turn on the spot, of a walk.
+const OVER: [f64; 2] = [0.12, 0.16];
+
 /// The pressure that brings the weight over the stance foot and forward of it, first away from it.
 fn prepare(params: &Params, physique: &Physique, state: &State, dt: f64) -> DVec2 {
     let gait = &state.gait;
@@ -110,7 +113,7 @@ fn prepare(params: &Params, physique: &Physique, state: &State, dt: f64) -> DVec
     let stance = &state.feet[gait.side.other() as usize];
     let early = ground(stance.ankle) + support::forward(stance.yaw) * params.com_forward;
     let late = ground(stance.ankle) + support::forward(stance.yaw) * rhythm.roll[1];
-    let over = 0.16 * params.tempo;
+    let over = OVER[usize::from(!gait.spot)] * params.tempo;
     let left_over = (gait.until - state.time).max(0.0);
     if left_over <= over {
         let share = (dt / left_over.max(dt)).min(1.0);
