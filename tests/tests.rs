@@ -76,6 +76,8 @@ mod keys;
 mod lanes;
 /// The articulated body walking, turning and on one foot on slopes and uneven ground, shoved.
 mod led_ground;
+/// Turns on the spot by both drives, and deep crouches.
+mod led_lanes;
 /// The articulated body walking on level ground: steps alike, and shoves of the paper's range.
 mod led_walks;
 /// Legs of any length.

@@ -8,9 +8,9 @@ use crate::maths::real;
 use crate::model::Side;
 use glam::DVec2;
 
-/// rad, the foot on the inside of a turn on the spot opens out by no more: 66 degrees, of which the hip that turns out does half and the
+/// rad, the foot on the inside of a turn on the spot opens out by no more: 62 degrees, of which the hip that turns out does half and the
 /// pelvis, on its way, the rest.
-const OPEN: f64 = 1.15;
+const OPEN: f64 = 1.09;
 /// rad, the other one comes round past it by no more, so that 90 degrees are three steps.
 const CLOSE: f64 = 0.45;
 /// rad, by which it comes round past it and still stands beside it as usual; m of the reference body a radian, how much wider it is set
