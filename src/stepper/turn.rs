@@ -38,15 +38,16 @@ pub fn face(params: &Params, physique: &Physique, state: &mut State, inputs: &In
     let to_turn = (left_over + ahead_of_feet).abs();
     state.gait.turning = to_turn > if state.gait.turning { params.turned } else { params.twist_most };
     let pace = state.gait.velocity.length() * params.tempo / params.size;
-    let (fastest, slows) = if state.gait.spot { (RATE / params.tempo, SLOWS) } else { (params.turn_rate, 4.0) };
+    let on_spot = state.gait.spot || state.gait.phase == Phase::Rest;
+    let (fastest, slows) = if on_spot { (RATE / params.tempo, SLOWS) } else { (params.turn_rate, 4.0) };
     let most = fastest.min(1.0 / pace.max(0.1) / params.tempo);
     let mut wanted = (left_over * slows / params.tempo).clamp(-most, most);
     if wanted * ahead_of_feet > 0.0 {
-        let (free, gone) = FREE[usize::from(!state.gait.spot)];
+        let (free, gone) = FREE[usize::from(!on_spot)];
         wanted *= (1.0 - (ahead_of_feet.abs() - free) / gone).clamp(0.0, 1.0);
     }
     // on the spot the turn comes to its end, and not ever nearer to it
-    let creep = if state.gait.spot || state.gait.phase == Phase::Rest { 0.02 / params.tempo } else { 0.0 };
+    let creep = if on_spot { 0.02 / params.tempo } else { 0.0 };
     wanted += (creep * left_over.signum()).clamp(-left_over.abs() / dt, left_over.abs() / dt);
     let quicker = 8.0 * dt / (params.tempo * params.tempo);
     state.gait.turn += (wanted - state.gait.turn).clamp(-quicker, quicker);

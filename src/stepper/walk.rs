@@ -229,7 +229,7 @@ fn goes(params: &Params, state: &State, inputs: &Inputs) -> bool {
 }
 
 /// s of the reference body, over which the weight goes to the foot that stands before the first step: of a turn on the spot, of a walk.
-const STARTS: [f64; 2] = [0.35, 0.5];
+const STARTS: [f64; 2] = [0.32, 0.5];
 
 /// Enters the gait: from a stand by shifting the weight, on the move at once.
 fn begin(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut State, inputs: &Inputs) -> bool {
