@@ -244,6 +244,16 @@ impl Controller {
         self.states = states;
     }
 
+    /// 1/s, of the pendulum that it is over level ground.
+    pub fn rate(&self) -> f64 {
+        (GRAVITY / self.motion.com.y.max(0.3 * self.stand_height)).sqrt()
+    }
+
+    /// m, ξ of what was last read, as the law takes it under a guide.
+    pub fn extrapolated(&self) -> DVec2 {
+        self.motion.extrapolated(self.rate(), guide::MOMENTUM)
+    }
+
     /// m and m/s, the centre of mass as last read, with a velocity that makes ξ of both, at `rate` 1/s, what a guide's law takes for it.
     pub fn motion_of(&self, rate: f64) -> (DVec3, DVec3) {
         let (com, velocity) = (self.motion.com, self.motion.velocity);
@@ -309,7 +319,7 @@ impl Controller {
         if self.swing.is_some_and(|swing| !swing.comfort) || signed_distance(&hull, xi) > -0.02 * self.size {
             self.alarmed = self.time;
             // Who sets a foot beside the other at his ease is over its edge as well, and fights nothing.
-            if self.swing.is_none_or(|swing| !swing.comfort) && self.shifting.is_none() {
+            if self.swing.is_none_or(|swing| !swing.comfort) && self.shifting.is_none() && !self.goes_home() {
                 self.fought = self.time;
             }
         }

@@ -1,8 +1,9 @@
 //! A stand that is not feet side by side: what the law goes back to is then as given, not as measured on people. Scenario space, SI.
 
-use super::control::{Controller, Swing};
+use super::control::Controller;
 use super::figure::Figure;
 use super::flat;
+use super::stepping::EASED;
 use crate::maths::hull::{closest_point, convex_hull, shrink};
 use crate::maths::quat::{wrap_angle, yaw_of};
 use crate::maths::real;
@@ -15,6 +16,10 @@ const INSIDE: f64 = 0.065;
 pub(super) const NEAR: f64 = 0.1;
 /// s at such legs, in which who stands turns to where his feet point.
 const TURNS: f64 = 0.3;
+
+/// m/s at such legs: who stands as given and is slower only sways, and steps when he leaves his soles, not before: a stance may have its
+/// balance near their edges. That fast 25 N s make 89.5 kg, which people take without a step.
+const SWAYS: f64 = 0.28;
 
 /// How a body stands at ease.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +35,6 @@ pub struct Stance {
     /// m, how much higher than at first it is held.
     pub higher: f64,
     natural: [f64; 2], // rad, by how much feet of the natural stand point beside that
-    out: [f64; 2],     // rad, and how much each does now
     middle: DVec2,
     inside: Vec<DVec2>, // where `over` may be
 }
@@ -55,7 +59,6 @@ impl Stance {
             pelvis: DQuat::IDENTITY,
             higher: 0.0,
             natural: Side::BOTH.map(|side| side.sign() * toe_out - splay[side as usize]),
-            out: [0.0; 2],
             middle,
             inside: shrink(&hull, INSIDE * control.size),
         }
@@ -96,11 +99,9 @@ impl Controller {
         self.stance.as_ref().filter(|_| fights).map_or(0.0, |stance| stance.natural[side as usize])
     }
 
-    /// A foot has landed.
-    pub(super) fn set_down(&mut self, swing: &Swing) {
-        if let Some(stance) = &mut self.stance {
-            stance.out[swing.side as usize] = if swing.comfort { 0.0 } else { stance.natural[swing.side as usize] };
-        }
+    /// Is a foot being set back to where it stands as given, or has just been? Balance is then over its other foot's edge, and fights nothing.
+    pub(super) fn goes_home(&self) -> bool {
+        self.stance.is_some() && (self.guide.is_some() || self.time - self.eased < EASED * self.tempo())
     }
 
     /// How the pelvis is turned besides.
@@ -127,19 +128,20 @@ impl Controller {
         self.swing.is_none() && Side::BOTH.iter().all(|side| self.strays(figure, *side, apart) < NEAR)
     }
 
+    /// Does it stand as given and only sway?
+    pub(super) fn sways(&self, figure: &Figure) -> bool {
+        let slow = self.motion.velocity.length() < SWAYS * self.tempo();
+        slow && self.stance.is_some() && self.is_home(figure)
+    }
+
     /// Who stands as given faces as his feet do.
     pub(super) fn face_as_feet(&mut self, figure: &Figure, dt: f64) {
-        let Some(stance) = &self.stance else { return };
-        if self.guide.is_some() || self.swing.is_some() {
+        if self.stance.is_none() || self.guide.is_some() || !self.is_home(figure) {
             return;
         }
-        let points = |side: Side| yaw_of(self.states[figure.legs[side as usize][2]].turn) - stance.out[side as usize];
+        let points = |side: Side| yaw_of(self.states[figure.legs[side as usize][2]].turn);
         let yaws = Side::BOTH.map(|side| wrap_angle(points(side) - self.heading));
         let share = (dt / (TURNS * self.tempo())).min(1.0);
-        self.heading += share
-            * match self.shifting {
-                Some((side, _)) => yaws[side.other() as usize],
-                None => 0.5 * (yaws[0] + yaws[1]),
-            };
+        self.heading += share * 0.5 * (yaws[0] + yaws[1]);
     }
 }

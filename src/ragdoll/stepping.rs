@@ -15,14 +15,11 @@ use crate::model::{Side, Terrain};
 use glam::{DQuat, DVec2, DVec3};
 
 /// s, for how long after an unhurried step only what leaves the soles is a fall: the time to take weight on the foot that landed.
-const EASED: f64 = 0.5;
-/// m at legs of 0.83 m: feet that are farther from standing beside each other are set so; and as they stood at first, where that is not
-/// beside each other.
+pub(super) const EASED: f64 = 0.5;
+/// m at legs of 0.83 m: feet that are farther from standing beside each other are set so.
 const BESIDE: f64 = 0.09;
-const HOME: f64 = 0.06;
-/// m at legs of 0.83 m, the farthest unhurried step into a stance that is not side by side; s at such legs, how long it takes; share of what
-/// who stands wide is spared of the wait for his weight. Of 40 seeded shoves of 30 to 150 N s over five idles 22 are back in them within
-/// 6.5 s with these; with steps of 0.45 m 18 to 19, with swings as long as into the natural stand (0.47 s) 17 to 20.
+/// m at legs of 0.83 m, how far a foot that a wide landing brings along goes towards a stance that is not side by side; s at such legs, how
+/// long it takes; share of what who stands wide is spared of the wait for his weight.
 const FARTHEST: f64 = 0.25;
 const QUICK: f64 = 0.36;
 const SHIFTS: f64 = 0.5;
@@ -105,7 +102,6 @@ impl Controller {
             if down && passed > if near { 0.5 } else { 0.7 } * swing.time {
                 self.swing = None;
                 self.last = Some(swing.side);
-                self.set_down(&swing);
                 if swing.comfort {
                     self.eased = self.time;
                 }
@@ -134,7 +130,7 @@ impl Controller {
             let hull = self.hull(figure);
             let out = signed_distance(&shrink(&hull, self.tuning.shrunk * self.size), xi);
             // Who has just set a foot beside the other has balance over that other foot, near its edge as in the swing.
-            let eased = self.time - self.eased < EASED * self.tempo();
+            let eased = self.time - self.eased < EASED * self.tempo() || self.sways(figure);
             let trigger = if eased { self.tuning.shrunk } else { self.tuning.trigger };
             if out > trigger * self.size {
                 let cop = closest_point(&hull, xi).unwrap_or(xi);
@@ -167,7 +163,10 @@ impl Controller {
                 });
             } else {
                 self.leaving = None;
-                self.comfort(figure, loads, xi, out, dt);
+                // Who stands as given is brought there (`sim::homeward`), but for the foot that a wide landing brings along.
+                if self.stance.is_none() || self.shifting.is_some() {
+                    self.comfort(figure, loads, xi, out, dt);
+                }
             }
         }
     }
@@ -280,7 +279,7 @@ impl Controller {
                 feet[side as usize].distance(beside(side)) / self.size + 0.3 * turned
             };
             let (left, right) = (off(Side::Left), off(Side::Right));
-            if left.max(right) > self.stance.as_ref().map_or(BESIDE, |_| HOME) {
+            if left.max(right) > BESIDE {
                 let side = if left > right { Side::Left } else { Side::Right };
                 self.shifting = Some((side, self.time));
             }

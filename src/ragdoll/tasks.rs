@@ -39,7 +39,8 @@ impl Controller {
     /// Where it is to face: whoever steps lets himself be turned, a little; who is led faces where he is led.
     pub(super) fn face(&mut self) {
         if self.guide.is_none() && self.swing.is_some() {
-            self.heading += 0.03 * wrap_angle(yaw_of(self.states[0].turn) - self.heading);
+            let faces = yaw_of(self.states[0].turn * self.tilted().inverse());
+            self.heading += 0.03 * wrap_angle(faces - self.heading);
             self.heading = self.facing + wrap_angle(self.heading - self.facing).clamp(-TURNED, TURNED);
         }
     }

@@ -2,6 +2,7 @@
 
 pub mod articulated;
 pub mod balls;
+mod homeward;
 mod looks;
 mod mirror;
 mod pilot;

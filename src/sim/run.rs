@@ -2,6 +2,7 @@
 
 use super::articulated::{BrokenBody, Things};
 use super::balls::Balls;
+use super::homeward::Homeward;
 use super::pilot::Pilot;
 use super::record::{hung, state_of};
 use super::{ArticulatedOptions, SessionPush, TickState};
@@ -70,6 +71,7 @@ pub(super) struct Run {
     carried: Option<usize>,
     reaction: Reaction,
     pilot: Pilot,
+    homeward: Homeward,
     felt: DVec3, // N, what pushed it in the last tick
     velocity: Option<DVec3>,
     pushed: f64,  // s, when something last pushed it
@@ -141,6 +143,7 @@ impl Run {
             carried: None,
             reaction: Reaction::new(course.physique, options.personality, options.arms).unhurried(LOWERS),
             pilot: Pilot::new(course, &options.style, options.dt),
+            homeward: Homeward::default(),
             felt: DVec3::ZERO,
             velocity: None,
             pushed: f64::NEG_INFINITY,
@@ -158,6 +161,9 @@ impl Run {
         if let Some(intent) = (things.intent)(time) {
             self.control.sense(model, &self.world);
             self.pilot.lead(course, &mut self.control, &intent, self.felt);
+        } else if things.ease.is_some() {
+            self.control.sense(model, &self.world);
+            self.homeward.lead(course, &mut self.control, dt);
         }
         let report = self.control.tick(model, &mut self.world, &ground);
         let pressed = figure.legs.map(|leg| self.world.pressed(leg[2]));
@@ -338,8 +344,8 @@ impl Run {
         let Some(ease) = &course.things.ease else { return };
         let (figure, (pose, com)) = (course.figure, (ease.goal)(time));
         let [dt, tempo] = [self.world.dt, self.control.tempo()];
-        let back = self.control.at_ease() > SAFE[0] * tempo && self.control.is_home(figure);
-        let over = if back { -CALMS } else { FIGHTS };
+        // Who only sways stays as he is: to rise out of a crouch in that time would throw him.
+        let over = if self.control.is_home(figure) { -CALMS } else { FIGHTS };
         self.natural = (self.natural + dt / (over * tempo)).clamp(0.0, 1.0);
         let share = smooth3(self.natural);
         let mut placed = figure.placed(course.body, &pose);
