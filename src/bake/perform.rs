@@ -87,7 +87,7 @@ pub fn perform_over(
     check(&trace)?;
     let acted = pushes.iter().zip(&trace.pushes);
     let pushes: Vec<KnownPush> = acted.map(|((push, _), acted)| KnownPush { force: acted.force, ..*push }).collect();
-    let (physique, style) = (cast.physique.clone(), cast.options.style.clone());
+    let (physique, style) = (cast.physique, cast.options.style);
     let footwork = Footwork::new(&mut cast, &trace, &pushes);
     let ticks = &trace.ticks[..footwork.count];
     let (mut timeline, left) = staged(cast, &footwork, (ticks, trace.dt), &pushes, seed);
