@@ -191,6 +191,25 @@ fn climbs_and_descends_stairs_a_tread_a_step_with_whole_soles() {
 }
 
 #[test]
+fn who_is_to_climb_slower_than_legs_can_climbs_as_slowly_as_they_can() {
+    let mut through = 0;
+    for seed in 0..20 {
+        let mut draw = Seed::new(seed);
+        let rise = draw.between(0.1, 0.18) * if seed % 2 == 0 { 1.0 } else { -1.0 };
+        let tread = draw.between(0.28, 0.34);
+        let kind = GroundKind::Stairs { rise, tread, count: 30 };
+        let speed = draw.between(0.2, 0.4);
+        let walk = Walk { start: draw.between(0.2, 0.8), duration: None, speed, heading: 0.0, facing: None };
+        let script = Script { terrain: terrain(kind), walk: vec![walk], ..Script::standing(&[]) };
+        let trace = simulate(&Physique::REFERENCE, &script, &options(20.0, 0.5));
+        let climbed = trace.ticks.last().is_some_and(|tick| tick.com.z > 1.0 + 10.0 * tread);
+        eprintln!("{rise:.2} x {tread:.2} m at {speed:.2} m/s: lost {:?}, climbed {climbed}", trace.lost);
+        through += usize::from(trace.lost.is_none() && climbed);
+    }
+    assert!(through >= 19, "{through} of 20");
+}
+
+#[test]
 fn steps_over_gaps_and_never_into_them() {
     let kind = GroundKind::Gaps { width: 0.2, spacing: 1.2 };
     let (through, _) = twenty("gaps of 0.2 m", &kind, 0.0);

@@ -21,7 +21,7 @@ use crate::model::{Body, BodyPose, Clip, ClipReport, Role, Side};
 use crate::ragdoll::control::MOST_TORQUE;
 use crate::rig::Rig;
 use crate::stepper::Phase;
-use crate::stepper::footing::STAIR_STEP;
+use crate::stepper::footing::{SLOWEST_STAIR_STEP, STAIR_STEP};
 use glam::DVec3;
 
 /// Samples a frame (DESIGN, "Measures").
@@ -387,15 +387,24 @@ fn needed(performance: &Performance) -> Option<f64> {
 /// s, in which an articulated body that still moves comes to rest: a step, the other foot beside it, and quiet.
 const SETTLES: f64 = 1.5;
 
-/// Stairs are walked a tread a step, whatever speed was wanted.
+/// Stairs are walked a tread a step, whatever speed was wanted; by the articulated body kerbs alone, as slowly as it is wanted.
 fn slowed(input: &ReportInput) -> Option<String> {
-    let GroundKind::Stairs { tread, .. } = input.scenario.ground.kind else { return None };
+    let GroundKind::Stairs { tread, count, .. } = input.scenario.ground.kind else { return None };
     let tempo = (input.performance.physique.com_height / 0.96).sqrt();
-    let most = tread / (STAIR_STEP * tempo);
-    let wanted = input.scenario.walk.iter().map(|walk| walk.speed).fold(0.0, f64::max);
-    (wanted > most).then(|| {
+    let [least, most] = [SLOWEST_STAIR_STEP, STAIR_STEP].map(|step| tread / (step * tempo));
+    let led = input.performance.articulated.is_some();
+    let wanted = || input.scenario.walk.iter().map(|walk| walk.speed).filter(|speed| *speed > 0.0);
+    let quick = wanted().fold(0.0, f64::max);
+    let slow = wanted().fold(f64::INFINITY, f64::min);
+    let told = |bound: &str, speed: f64, wanted: f64, other: &str| {
         format!(
-            "stairs are walked a tread a step: at most {most:.2} m/s on them, not {wanted:.2} (a longer tread allows more)"
+            "stairs are walked a tread a step: at {bound} {speed:.2} m/s on them, not {wanted:.2} (a {other} tread allows {})",
+            if bound == "most" { "more" } else { "less" }
         )
-    })
+    };
+    if quick > most {
+        Some(told("most", most, quick, "longer"))
+    } else {
+        (slow < least && count > 1 && !led).then(|| told("least", least, slow, "shorter"))
+    }
 }

@@ -310,19 +310,12 @@ pub(super) const REMEMBERS: f64 = 0.25;
 /// m at legs of 0.83 m, at most so much of what makes a step unlike the last ones is taken for unevenness: more is a shove's.
 const UNEVEN: f64 = 0.1;
 
-/// m at legs of 0.83 m, how far a step goes down from where on so much more of what makes it unlike the last ones is taken off: long legs'
-/// steps down 25 degrees grow long and short by turns otherwise, until the body falls.
-const STEEP: f64 = 0.3;
-const EVENS_DOWN: f64 = 0.4;
-
 /// The landing, with less of what makes its step unlike the last ones: what a body does of a plan comes late, and steps that each make up
 /// for the one before in full turn long and short by turns.
 fn evened(params: &Params, state: &State, (rear, ankle): (DVec2, DVec2), stride: DVec2, way: DVec2) -> DVec2 {
     let most = UNEVEN * params.size;
     let unlike = (ankle - rear - stride).dot(way) - state.gait.longer;
-    let down = (-state.gait.rise / (STEEP * params.size)).clamp(0.0, 1.0);
-    let kept = params.even * (1.0 - EVENS_DOWN * down);
-    ankle - way * (unlike.clamp(-most, most) * (1.0 - kept))
+    ankle - way * (unlike.clamp(-most, most) * (1.0 - params.even))
 }
 
 /// The nearest landing that legs can do in `fly` s: on the foot's own side, or across in front of the other one

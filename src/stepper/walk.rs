@@ -13,6 +13,7 @@ use super::{
 use super::{Passing, balance};
 use crate::maths::pendulum;
 use crate::maths::real;
+use crate::model::scenario::GroundKind;
 use crate::model::{Side, Terrain};
 use glam::DVec2;
 
@@ -109,7 +110,7 @@ impl Gait {
 /// Follows the command.
 pub fn steer(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut State, inputs: &Inputs, dt: f64) {
     // while the pelvis turns, the way to go turns with it
-    let wanted = turn::rotated(inputs.walk.unwrap_or(DVec2::ZERO), -state.gait.goal);
+    let mut wanted = turn::rotated(inputs.walk.unwrap_or(DVec2::ZERO), -state.gait.goal);
     let ramp = grip::ramp(params, state);
     let gait = &mut state.gait;
     gait.spot &= inputs.walk.is_none_or(|walk| walk == DVec2::ZERO);
@@ -123,6 +124,12 @@ pub fn steer(params: &Params, physique: &Physique, terrain: &Terrain, state: &mu
         (gait.longest, slowest) = (kerb::STRIDE, kerb::SLOWEST);
     }
     let longest = gait.longest.min(gait.grip);
+    let flight = matches!(terrain.kind, GroundKind::Stairs { count: 2.., .. });
+    let climbs = flight && gait.longest < footing::CLIMBED * params.size;
+    if !params.fits && climbs && wanted != DVec2::ZERO {
+        let least = gait.longest / (footing::SLOWEST_STAIR_STEP * params.tempo);
+        wanted = wanted.clamp_length_min(least);
+    }
     let wanted = wanted.clamp_length_max(longest / (slowest * params.tempo));
     let wanted = wanted.clamp_length_max(footing::fastest(terrain, params, physique, ground(state.com), wanted));
     let most = ramp * dt;
