@@ -9,6 +9,8 @@ use crate::sim::FASTEST;
 const ROUNDED: f64 = 1e-9;
 /// Share of the leg, on level ground and elsewhere: of 40 crouches to 0.5 on five bodies one took steps, at 0.47.
 const LOWEST: [f64; 2] = [0.4 + ROUNDED, 0.2 + ROUNDED];
+/// `leg_scale` from which on legs are so long that a crouch of a quarter of them takes steps, and does not always rise (1.3).
+const LENGTHENED: f64 = 1.15;
 /// rad: slopes are walked up and across, and turned on, to here.
 const STEEP: f64 = 12.0_f64.to_radians();
 /// rad: to here one stands on one foot and crouches.
@@ -76,6 +78,8 @@ pub(super) fn unplayed(scenario: &Scenario, base: Option<&Base>) -> Vec<&'static
     let level = scenario.ground.kind == GroundKind::Flat;
     parts.add(deep(LOWEST[0]), "[[crouch]] by more than 0.4");
     parts.add(!level && deep(LOWEST[1]), "[[crouch]] by more than 0.2 on ground that is not flat");
+    let long = scenario.character.leg_scale > LENGTHENED;
+    parts.add(level && long && deep(LOWEST[1]), "[[crouch]] by more than 0.2 on lengthened legs");
     parts.add(crouches && (walks || turns || stands), "[[crouch]] beside [[walk]], [[turn]] or [[stand]]");
     parts.add(scenario.character.crouch > 0.0, "[character] crouch");
     let over = base.is_some() || scenario.base.is_some();
