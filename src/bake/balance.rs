@@ -73,6 +73,7 @@ fn solve(
 ) -> Vec<DVec2> {
     let count = wanted.len();
     let dt2 = timeline.dt * timeline.dt;
+    // A heel that is up from the first frame to the last moves the pressure to the ball: the body may stand elsewhere, at rest.
     let loose = timeline.feet.feet.iter().any(|path| path.raised.is_up());
     let axis = |pick: fn(&DVec2) -> f64| {
         let mut system = BandedLeastSquares::new(count, 3);

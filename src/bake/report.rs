@@ -395,16 +395,14 @@ fn slowed(input: &ReportInput) -> Option<String> {
     let led = input.performance.articulated.is_some();
     let wanted = || input.scenario.walk.iter().map(|walk| walk.speed).filter(|speed| *speed > 0.0);
     let quick = wanted().fold(0.0, f64::max);
-    let slow = wanted().fold(f64::INFINITY, f64::min);
-    let told = |bound: &str, speed: f64, wanted: f64, other: &str| {
-        format!(
-            "stairs are walked a tread a step: at {bound} {speed:.2} m/s on them, not {wanted:.2} (a {other} tread allows {})",
-            if bound == "most" { "more" } else { "less" }
-        )
+    let slowest = wanted().fold(f64::INFINITY, f64::min);
+    let told = |bound: &str, wanted: f64, other: &str| {
+        format!("stairs are walked a tread a step: at {bound} m/s on them, not {wanted:.2} (a {other})")
     };
     if quick > most {
-        Some(told("most", most, quick, "longer"))
+        Some(told(&format!("most {most:.2}"), quick, "longer tread allows more"))
     } else {
-        (slow < least && count > 1 && !led).then(|| told("least", least, slow, "shorter"))
+        let slow = slowest < least && count > 1 && !led;
+        slow.then(|| told(&format!("least {least:.2}"), slowest, "shorter tread allows less"))
     }
 }

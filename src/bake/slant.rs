@@ -1,6 +1,6 @@
 //! Trunks that lean into steep ground, and how steeply it rises under the feet. Radians, seconds.
 
-use crate::maths::real;
+use crate::maths::{filter, real};
 use crate::sim::TickState;
 use crate::whole_body::reaction::UpperAngles;
 use glam::DVec3;
@@ -11,8 +11,8 @@ const STEEP: f64 = 0.2;
 const LEAN: f64 = 1.0;
 /// Of that lean, what the pelvis takes beyond its share.
 const PELVIS: f64 = 0.3;
-/// s, standard deviation of the smoothing of a grade.
-const SMOOTHING: f64 = 0.2;
+/// Hz, where the smoothing of a grade is 3 dB down: a trunk takes about half a second for a new one.
+const SMOOTHING: f64 = 0.7;
 
 /// rad, how steeply the ground under the feet rises ahead, smooth in time: an entry a tick.
 pub(super) fn grades(ticks: &[TickState], dt: f64) -> Vec<f64> {
@@ -25,16 +25,7 @@ pub(super) fn grades(ticks: &[TickState], dt: f64) -> Vec<f64> {
     if raw.iter().all(|grade| *grade == 0.0) {
         return raw;
     }
-    let reach = (3.0 * SMOOTHING / dt).ceil() as isize;
-    let weights: Vec<f64> =
-        (-reach..=reach).map(|off| real::exp(-0.5 * (off as f64 * dt / SMOOTHING).powi(2))).collect();
-    let total: f64 = weights.iter().sum();
-    let last = raw.len() as isize - 1;
-    let at = |index: isize| {
-        let near = (-reach..=reach).zip(&weights);
-        near.map(|(off, weight)| weight * raw[(index + off).clamp(0, last) as usize]).sum::<f64>() / total
-    };
-    (0..=last).map(at).collect()
+    filter::zero_lag(&raw, SMOOTHING, 1.0 / dt)
 }
 
 /// Leans trunks into steep slopes.
