@@ -100,6 +100,8 @@ pub struct Guide {
     pub leaves: Option<Side>,
     /// The foot that swings or is next, and where in its step that is, 0 to 1; its time, s. `None` where nothing alternates.
     pub stride: Option<(Side, f64, f64)>,
+    /// How far feet stand on their balls, 0 to 1: where ankles have no range for ground that rises ahead.
+    pub balls: f64,
 }
 
 /// How much of the height for hanging toes a foot is given, by the share of its swing.

@@ -30,6 +30,8 @@ pub(super) const OVER: f64 = 1e3;
 pub(super) struct Sole {
     /// The foot's turn that is wanted: flat on the ground, or as near to it as the ankle goes.
     pub(super) wanted: DQuat,
+    /// The turn of a foot that lies flat as this one points.
+    pub(super) level: DQuat,
     /// rad/s, how it is wanted to turn.
     pub(super) spin: DVec3,
     /// How much it gives way, 0 to 1.
@@ -92,6 +94,19 @@ impl Controller {
         (wanted, about * (about.dot(shank.spin) * gives), gives)
     }
 
+    /// m, how far off an ankle is whose foot, turned so, stands on its ball or tip where it would lie flat with the turn `level`; none but
+    /// where feet stand on their balls.
+    pub(super) fn over_ball(&self, figure: &Figure, side: Side, level: DQuat, turn: DQuat) -> DVec3 {
+        let edge = figure.rolls_over(side);
+        (level * edge - turn * edge) * self.guide.map_or(0.0, |guide| guide.balls)
+    }
+
+    /// m, where a foot's ankle is; where feet stand on their balls, where it would be if this one lay flat instead.
+    pub fn laid_flat(&self, figure: &Figure, side: Side) -> DVec3 {
+        let state = &self.states[figure.legs[side as usize][2]];
+        state.origin - self.over_ball(figure, side, self.soles[side as usize].level, state.turn)
+    }
+
     /// How the sole of a foot that bears is to lie.
     pub(super) fn sole(&self, figure: &Figure, terrain: &Terrain, side: Side) -> Sole {
         let [.., foot] = figure.legs[side as usize];
@@ -130,7 +145,7 @@ impl Controller {
         let about =
             (0..stiff).map(|index| figure.pivot(&self.states, side, index).unwrap_or(at[index]) * bearing[index]);
         let pivot = about.sum::<DVec3>() / weight.max(1e-9);
-        Sole { wanted, spin, gives, lifted, pivot }
+        Sole { wanted, level, spin, gives, lifted, pivot }
     }
 }
 

@@ -95,9 +95,9 @@ impl Controller {
         match self.swing {
             Some(swing) if swing.side == side => {
                 let spot = terrain.spot(flat(swing.reference.at));
-                let level = DQuat::from_rotation_arc(DVec3::Y, spot.normal) * DQuat::from_rotation_y(swing.yaw);
-                let (level, spin, _) = self.heeds(figure, side, level, tuning.margin[1] - leaning(terrain));
-                let goal = self.swing_goal(figure, &swing, level, spot.normal);
+                let flat = DQuat::from_rotation_arc(DVec3::Y, spot.normal) * DQuat::from_rotation_y(swing.yaw);
+                let (level, spin, _) = self.heeds(figure, side, flat, tuning.margin[1] - leaning(terrain));
+                let goal = self.swing_goal(figure, &swing, [flat, level], spot.normal);
                 // Never so far that the knee would be straight: there a leg cannot be steered.
                 let [hip, knee, ankle] = figure.legs[side as usize];
                 let length = figure.links[knee].anchor.length() + figure.links[ankle].anchor.length();
@@ -143,9 +143,9 @@ impl Controller {
         }
     }
 
-    /// m, where the ankle of a swinging foot is to be that is turned so: over its reference, and what is lowest of its sole clears the
-    /// ground as it would if it lay level.
-    fn swing_goal(&self, figure: &Figure, swing: &Swing, turn: DQuat, up: DVec3) -> DVec3 {
+    /// m, where the ankle of a swinging foot is to be that is turned so and would lie flat with the turn `level`: over its reference, and what
+    /// is lowest of its sole clears the ground as it would if it lay level.
+    fn swing_goal(&self, figure: &Figure, swing: &Swing, [level, turn]: [DQuat; 2], up: DVec3) -> DVec3 {
         let corners = figure.soles[swing.side as usize].iter();
         let lowest = corners.map(|corner| (turn * *corner).dot(up)).fold(0.0, f64::min);
         let share = (self.time - swing.start) / (LANDS * swing.time);
@@ -156,8 +156,9 @@ impl Controller {
         } else {
             (swing::lift(share)[0], CLEARS)
         };
-        let under = (-lowest - figure.ankle_height).clamp(0.0, most * self.size);
-        swing.reference.at + DVec3::Y * (figure.ankle_height + under * aloft)
+        let off = self.over_ball(figure, swing.side, level, turn);
+        let under = (-lowest - figure.ankle_height - off.y).clamp(0.0, most * self.size);
+        swing.reference.at + off + DVec3::Y * (figure.ankle_height + under * aloft)
     }
 
     /// Share of its length that a swinging leg may use now.
@@ -185,7 +186,7 @@ impl Controller {
             return None;
         }
         let goal = if self.guided {
-            self.swing_goal(figure, &swing, self.states[ankle].turn, DVec3::Y)
+            self.swing_goal(figure, &swing, [self.soles[side as usize].level, self.states[ankle].turn], DVec3::Y)
         } else {
             swing.reference.at + DVec3::Y * figure.ankle_height
         };

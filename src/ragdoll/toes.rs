@@ -135,6 +135,19 @@ impl Figure {
         self.toes[side as usize].map(|toes| (toes, self.links[toes].anchor))
     }
 
+    /// m, in a foot's frame: the middle of the edge that it stands on with its heel up, at the ball or, where it does not bend, at the tip.
+    pub(super) fn rolls_over(&self, side: Side) -> DVec3 {
+        let from = if self.fore(side).is_some() { BALL } else { TIP };
+        let sole = &self.soles[side as usize];
+        0.5 * (sole[from] + sole[from + 1])
+    }
+
+    /// m, how far ahead of the ankles that is, of the foot of which it is less.
+    pub fn fore_edge(&self) -> f64 {
+        let [left, right] = Side::BOTH.map(|side| self.rolls_over(side).with_y(0.0).length());
+        left.min(right)
+    }
+
     /// The link that what presses on a link counts for: toes are part of their foot.
     pub(super) fn bears(&self, link: usize) -> usize {
         match (self.links[link].part, self.links[link].parent) {

@@ -174,6 +174,7 @@ impl Homeward {
             swing,
             leaves: None,
             stride: None,
+            balls: 0.0,
         })
     }
 }

@@ -6,7 +6,7 @@ use crate::maths::quat::yaw_of;
 use crate::model::Side;
 use crate::ragdoll::{Controller, Guide, Wish};
 use crate::stepper::follow::{self, Measured};
-use crate::stepper::{Inputs, Phase, Style};
+use crate::stepper::{Inputs, Phase, Style, steep};
 use glam::{DVec2, DVec3};
 
 /// m/s on legs of 0.83 m, the fastest walk: faster, balance is kept for less than a minute.
@@ -43,7 +43,7 @@ impl Pilot {
     /// At rest, as the body stands at first.
     pub(super) fn new(course: &Course, style: &Style, dt: f64) -> Pilot {
         Pilot {
-            session: Session::embodied(course.physique, course.terrain, style, dt),
+            session: Session::embodied(course.physique, course.terrain, style, course.figure.fore_edge(), dt),
             led: false,
             lacks: DVec2::ZERO,
             mean: DVec2::ZERO,
@@ -122,6 +122,7 @@ impl Pilot {
             swing,
             leaves: follow::leaves(state, SOON),
             stride,
+            balls: steep::share(params, state),
         }
     }
 
@@ -142,7 +143,7 @@ fn measure(course: &Course, control: &Controller, rate: f64, force: DVec3) -> Me
     let (com, velocity) = control.motion_of(rate);
     let feet = Side::BOTH.map(|side| {
         let state = states[figure.legs[side as usize][2]];
-        (state.origin, yaw_of(state.turn) + course.start[side as usize].yaw)
+        (control.laid_flat(figure, side), yaw_of(state.turn) + course.start[side as usize].yaw)
     });
     let stands = Side::BOTH.map(|side| control.swing.is_none_or(|swing| swing.side != side));
     Measured { com, velocity, feet, stands, force }

@@ -25,6 +25,7 @@ mod rise;
 mod roll;
 mod stand;
 pub mod state;
+pub mod steep;
 pub mod support;
 mod swing;
 mod turn;

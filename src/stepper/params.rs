@@ -118,6 +118,7 @@ pub struct Params {
     pub stumble: [f64; 2], // m, a wanted landing so far out of reach wants a corrective step; the same soon after a shove
     pub midair: f64,       // m, the same of a step in the air soon after a shove
     pub fits: bool,        // steps are timed so that they land off the edges of gaps
+    pub fore: Option<f64>, // m ahead of the ankle, the edge that a foot bears on with its heel up; none where heels rise by themselves
     pub even: f64,         // share that is kept of what makes a step unlike the last ones
     pub wide: [f64; 2],    // m, steps wider than so are no walk: at its beginning on the move, and on its way
     pub brief: f64,        // s, the swings of the first and the last step are no longer than so
@@ -231,6 +232,7 @@ impl Params {
             midair: f64::INFINITY, // a foot of the pendulum's is where it is planned
             even: 1.0,
             fits: false,
+            fore: None,
             wide: [f64::INFINITY; 2],
             least_swing: dial(0.34, 0.28, 0.20) * tempo,
             brief: 0.45 * tempo,

@@ -8,7 +8,8 @@ use super::gait::{self, Rhythm};
 use super::pace::{self, Pace};
 use super::support::{Support, Tread};
 use super::{
-    Inputs, Params, Physique, State, StepKind, Swing, footfall, footing, grip, ground, kerb, rise, roll, swing, turn,
+    Inputs, Params, Physique, State, StepKind, Swing, footfall, footing, grip, ground, kerb, rise, roll, steep, swing,
+    turn,
 };
 use super::{Passing, balance};
 use crate::maths::pendulum;
@@ -306,7 +307,8 @@ pub fn rhythm_now(params: &Params, physique: &Physique, state: &State) -> Rhythm
     let whole = |time: f64| (time * slower / tick).round() * tick;
     let single = whole(rhythm.step - rhythm.double).max(2.0 * tick);
     let step = whole(rhythm.step).max(single);
-    Rhythm { step, double: if params.rolls { step - single } else { 0.0 }, ..rhythm }
+    let rhythm = Rhythm { step, double: if params.rolls { step - single } else { 0.0 }, ..rhythm };
+    steep::on_balls(params, physique, state, rhythm)
 }
 
 /// Lifts the foot.

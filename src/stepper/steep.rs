@@ -1,0 +1,31 @@
+//! The gait up ground that ankles have no range for: feet that land under bent knees stand on their balls, heels up, until the leg is long.
+//!
+//! An ankle flexes by 30 degrees; the slope takes of that what it leans by, and the shank of a bent knee leans forwards by as much again. Where
+//! only the ball bears, the pressure cannot be under the ankle: a plan that has it there waits in vain for ξ to run ahead, and the body stops over
+//! its foot. So the pressure is planned under the ball, and with it the foothold, which comes nearer to the body by as much. Of a body of links
+//! alone: heels of the kinematic drive rise under a pose that is found anyway. Metres; a rise is metres a metre.
+
+use super::gait::Rhythm;
+use super::{Params, Physique, State};
+use crate::maths::curve::smooth3;
+
+/// The rise from which on feet stand on their balls, 12 degrees, and from there to where they do so altogether: 16.
+const STEEP: f64 = 0.2126;
+const OVER: f64 = 0.08;
+/// Share of the sole's length by which the pressure is ahead of the edge that bears: between ball and tip.
+const AHEAD: f64 = 0.15;
+
+/// How far feet stand on their balls, 0 to 1.
+pub fn share(params: &Params, state: &State) -> f64 {
+    let faces = state.ahead.dot(state.gait.velocity.normalize_or_zero());
+    if params.fore.is_some() { smooth3((state.gait.grade * faces - STEEP) / OVER) } else { 0.0 }
+}
+
+/// The rhythm with the pressure's roll where feet that stand on their balls bear.
+pub fn on_balls(params: &Params, physique: &Physique, state: &State, rhythm: Rhythm) -> Rhythm {
+    let (Some(fore), share) = (params.fore, share(params, state)) else { return rhythm };
+    let middle = (fore + AHEAD * (physique.tip - physique.heel)).min(physique.tip - params.margin);
+    let [from, to] = rhythm.roll;
+    let by = (middle - 0.5 * (from + to)) * share;
+    Rhythm { roll: [from + by, to + by], ..rhythm }
+}
