@@ -2,6 +2,7 @@
 
 use super::base::Base;
 use crate::maths::real;
+use crate::model::Body;
 use crate::model::scenario::{GroundKind, Scenario, Stepper, Walk};
 use crate::sim::FASTEST;
 
@@ -11,8 +12,10 @@ const ROUNDED: f64 = 1e-9;
 const LOWEST: [f64; 2] = [0.4 + ROUNDED, 0.2 + ROUNDED];
 /// `leg_scale` from which on legs are so long that a crouch of a quarter of them takes steps, and does not always rise (1.3).
 const LENGTHENED: f64 = 1.15;
-/// rad: slopes are walked up and across, and turned on, to here.
+/// rad: slopes are walked across, and turned on, to here; and up, by feet that do not bend, on whose balls nobody stands.
 const STEEP: f64 = 12.0_f64.to_radians();
+/// rad: and up to here; m/s at legs of usual length, Froude-equal at others: at such speeds over `STEEP`. Slower, one of 15 drawn walks falls.
+const UP: (f64, [f64; 2]) = (25.0_f64.to_radians(), [0.3 - ROUNDED, 0.45 + ROUNDED]);
 /// rad: to here one stands on one foot and crouches.
 const STEEPER: f64 = 15.0_f64.to_radians();
 /// rad: and walks backwards and sideways to here, m/s: no faster than so.
@@ -102,12 +105,26 @@ impl Parts {
     }
 }
 
+/// What of it only feet that bend play, if they do not.
+pub(super) fn unbent(scenario: &Scenario, body: &Body) -> Option<&'static str> {
+    let GroundKind::Slope { angle } = scenario.ground.kind else { return None };
+    let up = |walk: &Walk| walk.speed > 0.0 && real::tan(angle) * real::cos(walk.heading) > real::tan(STEEP);
+    let steep = scenario.walk.iter().any(up) && body.feet.iter().any(|foot| foot.toe.is_none());
+    steep.then_some("[[walk]] up a slope of more than 12 degrees on feet without toe joints")
+}
+
 fn on_slope(scenario: &Scenario, angle: f64, parts: &mut Parts) {
     let rises = real::tan(angle);
     let walks = |cannot: &dyn Fn(&Walk) -> bool| scenario.walk.iter().any(|walk| walk.speed > 0.0 && cannot(walk));
     let up = |walk: &Walk| rises * real::cos(walk.heading);
     let aside = |walk: &Walk| real::cos(walk.facing.unwrap_or(walk.heading) - walk.heading) < 0.7;
-    parts.add(walks(&|walk| up(walk) > real::tan(STEEP)), "[[walk]] up a slope of more than 12 degrees");
+    parts.add(walks(&|walk| up(walk) > real::tan(UP.0)), "[[walk]] up a slope of more than 25 degrees");
+    let pace = scenario.character.leg_scale.sqrt();
+    let paced = |walk: &Walk| (UP.1[0] * pace..=UP.1[1] * pace).contains(&walk.speed);
+    parts.add(
+        walks(&|walk| up(walk) > real::tan(STEEP) && !paced(walk)),
+        "[[walk]] up a slope of more than 12 degrees at less than 0.3 or more than 0.45 m/s",
+    );
     parts.add(walks(&|walk| up(walk) < -real::tan(STEEPEST)), "[[walk]] down a slope of more than 25 degrees");
     parts.add(
         walks(&|walk| (rises * real::sin(walk.heading)).abs() > real::tan(STEEP)),

@@ -27,9 +27,11 @@ const LEGS: [f64; 2] = [0.947, 0.995];
 const CARRIES: f64 = 0.97;
 const UPHILL: f64 = 0.17;
 /// Shares of a guided swing by which the foot must be off the ground, and at which it is over its place.
-pub(super) const TRAVELS: [f64; 2] = [0.04, 0.945];
+const TRAVELS: [f64; 2] = [0.04, 0.945];
 /// Times the law's own, how hard a guided swing's foot is turned.
 pub(super) const LEVELS: f64 = 1.4;
+/// The second on balls: over bent knees a foot that is there sooner comes down before its ball is where it is to bear.
+const ARRIVES: f64 = 0.976;
 /// Damping of a guided swing's inverse, of a bent leg and of a straight one, and shares of its length between which it is the one and
 /// the other. As damped as the law's own (0.2) a foot rises 4 cm and sinks to the ground again in mid-swing.
 const DAMPING: [f64; 2] = [0.105, 0.175];
@@ -206,6 +208,17 @@ impl Controller {
         }
         let least = if carries { CARRIES } else { LEGS[0] };
         least + (LEGS[1] - least) * (self.uphill(terrain) / UPHILL).clamp(0.0, 1.0)
+    }
+
+    /// As `TRAVELS` says.
+    pub(super) fn travels(&self) -> [f64; 2] {
+        let [rise, arrives] = TRAVELS;
+        [rise, arrives + (ARRIVES - arrives) * self.on_balls()]
+    }
+
+    /// How far feet stand on their balls, 0 to 1.
+    pub(super) fn on_balls(&self) -> f64 {
+        self.guide.map_or(0.0, |guide| guide.balls)
     }
 
     /// By how much the ground rises a metre on the way that the guide goes.

@@ -94,11 +94,11 @@ impl Controller {
         (wanted, about * (about.dot(shank.spin) * gives), gives)
     }
 
-    /// m, how far off an ankle is whose foot, turned so, stands on its ball or tip where it would lie flat with the turn `level`; none but
+    /// m, how far off an ankle is whose foot, turned so, stands on its ball where it would lie flat with the turn `level`; none but
     /// where feet stand on their balls.
     pub(super) fn over_ball(&self, figure: &Figure, side: Side, level: DQuat, turn: DQuat) -> DVec3 {
-        let edge = figure.rolls_over(side);
-        (level * edge - turn * edge) * self.guide.map_or(0.0, |guide| guide.balls)
+        let ball = figure.ball(side);
+        (level * ball - turn * ball) * self.on_balls()
     }
 
     /// m, where a foot's ankle is; where feet stand on their balls, where it would be if this one lay flat instead.

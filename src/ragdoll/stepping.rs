@@ -3,7 +3,6 @@
 use super::control::{Controller, Swing, slant};
 use super::figure::Figure;
 use super::flat;
-use super::guide;
 use super::plan::{self, Situation};
 use super::reach::OVER;
 use super::swing::{self, Reference};
@@ -197,7 +196,7 @@ impl Controller {
         let goal = stands + slant(figure, terrain, stands);
         // Off the ground before it travels.
         let ground = self.under_sole(terrain, swing.side, stands, swing.yaw);
-        let usual = if self.guided { guide::TRAVELS } else { [self.tuning.rise, ARRIVES] };
+        let usual = if self.guided { self.travels() } else { [self.tuning.rise, ARRIVES] };
         let way = self.over_kerb(figure, terrain, &swing, (stands, ground));
         let [rise, arrives] = way.map_or(usual, |way| way.travels);
         if !down && !self.guided || passed > rise * swing.time {

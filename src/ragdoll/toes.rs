@@ -135,17 +135,16 @@ impl Figure {
         self.toes[side as usize].map(|toes| (toes, self.links[toes].anchor))
     }
 
-    /// m, in a foot's frame: the middle of the edge that it stands on with its heel up, at the ball or, where it does not bend, at the tip.
-    pub(super) fn rolls_over(&self, side: Side) -> DVec3 {
-        let from = if self.fore(side).is_some() { BALL } else { TIP };
-        let sole = &self.soles[side as usize];
-        0.5 * (sole[from] + sole[from + 1])
+    /// m, in a foot's frame: the middle of its ball.
+    pub(super) fn ball(&self, side: Side) -> DVec3 {
+        let [_, _, left, right, ..] = self.soles[side as usize];
+        0.5 * (left + right)
     }
 
-    /// m, how far ahead of the ankles that is, of the foot of which it is less.
-    pub fn fore_edge(&self) -> f64 {
-        let [left, right] = Side::BOTH.map(|side| self.rolls_over(side).with_y(0.0).length());
-        left.min(right)
+    /// m, how far ahead of the ankles balls are, of the foot of which it is less; none where a foot does not bend.
+    pub fn balls_ahead(&self) -> Option<f64> {
+        let [left, right] = Side::BOTH.map(|side| self.ball(side).with_y(0.0).length());
+        self.toes.iter().all(Option::is_some).then_some(left.min(right))
     }
 
     /// The link that what presses on a link counts for: toes are part of their foot.

@@ -43,7 +43,7 @@ impl Pilot {
     /// At rest, as the body stands at first.
     pub(super) fn new(course: &Course, style: &Style, dt: f64) -> Pilot {
         Pilot {
-            session: Session::embodied(course.physique, course.terrain, style, course.figure.fore_edge(), dt),
+            session: Session::embodied(course.physique, course.terrain, style, course.figure.balls_ahead(), dt),
             led: false,
             lacks: DVec2::ZERO,
             mean: DVec2::ZERO,

@@ -65,7 +65,7 @@ pub struct Session {
     whole: Physique,
     crouch: Spring,
     embodied: bool,
-    fore: Option<f64>, // m, as in the parameters
+    balls: Option<f64>, // m, as in the parameters
     patience: f64,
 }
 
@@ -85,16 +85,17 @@ impl Session {
             whole: *physique,
             crouch: Spring::default(),
             embodied: false,
-            fore: None,
+            balls: None,
             patience: 1.0,
         };
         session.last = session.record(&Inputs::default());
         session
     }
 
-    /// The same, to plan for a body of links ([`Self::follow`]) whose feet bear on an edge so far ahead of the ankle (m) when their heels are up.
-    pub fn embodied(physique: &Physique, terrain: &Terrain, style: &Style, fore: f64, dt: f64) -> Session {
-        let mut session = Session { embodied: true, fore: Some(fore), ..Session::new(physique, terrain, style, dt) };
+    /// The same, to plan for a body of links ([`Self::follow`]) whose feet, if they bend, have their balls so far ahead of
+    /// the ankles, m.
+    pub fn embodied(physique: &Physique, terrain: &Terrain, style: &Style, balls: Option<f64>, dt: f64) -> Session {
+        let mut session = Session { embodied: true, balls, ..Session::new(physique, terrain, style, dt) };
         session.adapt();
         session
     }
@@ -199,7 +200,7 @@ impl Session {
         let tuned = if self.embodied { Params::embodied } else { Params::new };
         let params = tuned(&self.physique, &self.style);
         let (stumble, midair) = (params.stumble.map(|off| self.patience * off), self.patience * params.midair);
-        self.params = Params { stumble, midair, fore: self.fore, ..params };
+        self.params = Params { stumble, midair, balls: self.balls, ..params };
     }
 
     /// The controller's state.

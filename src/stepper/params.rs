@@ -107,30 +107,30 @@ pub struct Params {
     pub trail: f64,       // m, the trailing foot starts when the centre of mass is so far from it and leaving
     pub lift_height: f64, // m, of the swinging ankle
     // Gait.
-    pub walk_arc: f64,     // as slip_arc: more of the vault shows in a walk
-    pub walk_bias: f64,    // as leg_bias, of a step of the gait
-    pub twist_most: f64,   // rad, a turn that leaves the feet behind by more is stepped
-    pub turned: f64,       // rad, and by less than so is done
-    pub rolls: bool,       // the pressure rolls under the feet
-    pub ramp: f64,         // m/s2, of the commanded velocity
-    pub step_width: f64,   // m, between the ankles' lines
-    pub step_gap: f64,     // m, between the ankles of feet that pass each other
+    pub walk_arc: f64,      // as slip_arc: more of the vault shows in a walk
+    pub walk_bias: f64,     // as leg_bias, of a step of the gait
+    pub twist_most: f64,    // rad, a turn that leaves the feet behind by more is stepped
+    pub turned: f64,        // rad, and by less than so is done
+    pub rolls: bool,        // the pressure rolls under the feet
+    pub ramp: f64,          // m/s2, of the commanded velocity
+    pub step_width: f64,    // m, between the ankles' lines
+    pub step_gap: f64,      // m, between the ankles of feet that pass each other
     pub stumble: [f64; 2], // m, a wanted landing so far out of reach wants a corrective step; the same soon after a shove
     pub midair: f64,       // m, the same of a step in the air soon after a shove
     pub fits: bool,        // steps are timed so that they land off the edges of gaps
-    pub fore: Option<f64>, // m ahead of the ankle, the edge that a foot bears on with its heel up; none where heels rise by themselves
-    pub even: f64,         // share that is kept of what makes a step unlike the last ones
-    pub wide: [f64; 2],    // m, steps wider than so are no walk: at its beginning on the move, and on its way
-    pub brief: f64,        // s, the swings of the first and the last step are no longer than so
-    pub least_swing: f64,  // s, a hasty swing of the gait
-    pub transfer: f64,     // share of the rear foot in the pivot of the step that stops
-    pub walk_gain: f64,    // of ankle feedback on ξ at touchdown
-    pub cadence: [f64; 2], // 1/min, steps at least, of a slow walk that does not turn and of another (`gait::SLOW`)
-    pub double: f64,       // times people's, the share of a step in which both feet carry
-    pub rolled: f64,       // times people's, how far the pressure rolls under a foot
-    pub roll_ahead: f64,   // m, by which the pressure rolls farther ahead under the feet
-    pub turn_rate: f64,    // rad/s, the fastest turn
-    pub leg_change: bool,  // legs give and stretch
+    pub balls: Option<f64>, // m ahead of the ankles, where feet bear with their heels up; none where heels rise by themselves or not at all
+    pub even: f64,          // share that is kept of what makes a step unlike the last ones
+    pub wide: [f64; 2],     // m, steps wider than so are no walk: at its beginning on the move, and on its way
+    pub brief: f64,         // s, the swings of the first and the last step are no longer than so
+    pub least_swing: f64,   // s, a hasty swing of the gait
+    pub transfer: f64,      // share of the rear foot in the pivot of the step that stops
+    pub walk_gain: f64,     // of ankle feedback on ξ at touchdown
+    pub cadence: [f64; 2],  // 1/min, steps at least, of a slow walk that does not turn and of another (`gait::SLOW`)
+    pub double: f64,        // times people's, the share of a step in which both feet carry
+    pub rolled: f64,        // times people's, how far the pressure rolls under a foot
+    pub roll_ahead: f64,    // m, by which the pressure rolls farther ahead under the feet
+    pub turn_rate: f64,     // rad/s, the fastest turn
+    pub leg_change: bool,   // legs give and stretch
     // Comfort.
     pub stagger: f64, // m
     pub widen: f64,   // share of the width
@@ -232,7 +232,7 @@ impl Params {
             midair: f64::INFINITY, // a foot of the pendulum's is where it is planned
             even: 1.0,
             fits: false,
-            fore: None,
+            balls: None,
             wide: [f64::INFINITY; 2],
             least_swing: dial(0.34, 0.28, 0.20) * tempo,
             brief: 0.45 * tempo,

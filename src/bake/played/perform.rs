@@ -8,7 +8,7 @@ use crate::bake::base::{Base, Over, Stood};
 use crate::bake::perform::{Performance, check, style};
 use crate::bake::ragdoll::{self, Driven, Helped};
 use crate::bake::timeline::Timeline;
-use crate::bake::unplayed::unplayed;
+use crate::bake::unplayed::{unbent, unplayed};
 use crate::bake::{BakeError, carried, pushes, throws};
 use crate::measure::KnownPush;
 use crate::model::scenario::Scenario;
@@ -29,6 +29,9 @@ pub fn perform(
     let unplayed = unplayed(scenario, base.map(Arc::as_ref));
     if !unplayed.is_empty() {
         return Err(BakeError::Unplayed { parts: unplayed.join(", ") });
+    }
+    if let Some(part) = unbent(scenario, body) {
+        return Err(BakeError::Unplayed { parts: part.into() });
     }
     let anatomy = Anatomy::new(body);
     let over = base.map(|base| Over::new(base, body, &anatomy, scenario)).transpose()?;
