@@ -106,7 +106,7 @@ impl Pilot {
             ankle: DVec2::new(swing.to.ankle.x, swing.to.ankle.z),
             yaw: swing.to.yaw - course.start[swing.side as usize].yaw,
             left: swing.land - state.time,
-            lift: params.lift_height * if course.terrain.has_gaps() { HIGHER } else { 1.0 },
+            lift: params.lift_height * if course.terrain.has_gaps() { HIGHER } else { steep::higher(params, state) },
             height: follow::held_height(params, state),
         });
         let gait = &state.gait;

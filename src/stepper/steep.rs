@@ -15,11 +15,12 @@ const OVER: f64 = 0.08;
 /// Share of the sole's length by which the pressure is ahead of the ball's middle: between it and the tip.
 const AHEAD: f64 = 0.15;
 
-/// Times that on the level, how far the pressure rolls under such a foot, and how long its steps take: as slow a walk takes quick steps on
-/// slopes, and who stands on his balls has no time for his knees then. Of 20 drawn walks of 10 s up 13 to 25 degrees all stand with 1 and 1 as
-/// well, at a mean score of 0.83; with these at 0.89.
+/// Times the usual, how far the pressure rolls under such a foot, how long its steps take and how high they go: a slow walk takes quick steps on
+/// slopes, and who stands on his balls has no time for his knees then. Of drawn walks up 20 to 25 degrees on five bodies, 20 each, none falls with
+/// 0.5, 1.1 and 1.3 at a mean score of 0.73; with 1, 1 and 1 it is 0.68; with steps 1.2 times as long two fall.
 const ROLLED: f64 = 0.5;
-const SLOWER: f64 = 1.2;
+const SLOWER: f64 = 1.1;
+const HIGHER: f64 = 1.3;
 
 /// How far feet stand on their balls, 0 to 1.
 pub fn share(params: &Params, state: &State) -> f64 {
@@ -30,6 +31,11 @@ pub fn share(params: &Params, state: &State) -> f64 {
 /// Times the usual, how long a step takes.
 pub fn slower(params: &Params, state: &State) -> f64 {
     1.0 + (SLOWER - 1.0) * share(params, state)
+}
+
+/// Times the usual, how high feet go.
+pub fn higher(params: &Params, state: &State) -> f64 {
+    1.0 + (HIGHER - 1.0) * share(params, state)
 }
 
 /// The rhythm with the pressure's roll where feet that stand on their balls bear.
