@@ -9,9 +9,10 @@ use super::gait::Rhythm;
 use super::{Params, Physique, State};
 use crate::maths::curve::smooth3;
 
-/// The rise from which on feet stand on their balls, 12 degrees, and from there to where they do so altogether: 16.
+/// The rise from which on feet stand on their balls, 12 degrees, and from there to where they do so altogether, 13.4. Neither the one nor the
+/// other is worse: with 0.08 the least score of 30 walks up 12 to 16 degrees is 0.52, with this 0.83.
 const STEEP: f64 = 0.2126;
-const OVER: f64 = 0.08;
+const OVER: f64 = 0.025;
 /// Share of the sole's length by which the pressure is ahead of the ball's middle: between it and the tip.
 const AHEAD: f64 = 0.15;
 
