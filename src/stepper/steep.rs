@@ -6,7 +6,7 @@
 //! alone: heels of the kinematic drive rise under a pose that is found anyway. Metres; a rise is metres a metre.
 
 use super::gait::Rhythm;
-use super::{Params, Physique, State};
+use super::{Params, Physique, State, rise};
 use crate::maths::curve::smooth3;
 
 /// The rise from which on feet stand on their balls, 12 degrees, and from there to where they do so altogether, 13.4. Neither the one nor the
@@ -25,8 +25,9 @@ const HIGHER: f64 = 1.3;
 
 /// How far feet stand on their balls, 0 to 1.
 pub fn share(params: &Params, state: &State) -> f64 {
-    let faces = state.ahead.dot(state.gait.velocity.normalize_or_zero());
-    if params.balls.is_some() { smooth3((state.gait.grade * faces - STEEP) / OVER) } else { 0.0 }
+    let (way, normal) = (state.gait.velocity.normalize_or_zero(), rise::normal(state));
+    let climbs = -(normal.x * way.x + normal.z * way.y) / normal.y.max(0.1);
+    if params.balls.is_some() { smooth3((climbs * state.ahead.dot(way) - STEEP) / OVER) } else { 0.0 }
 }
 
 /// Times the usual, how long a step takes.
@@ -46,4 +47,34 @@ pub fn on_balls(params: &Params, physique: &Physique, state: &State, rhythm: Rhy
     let [from, to] = rhythm.roll;
     let half = 0.5 * ROLLED * (to - from);
     Rhythm { roll: [from + (middle - half - from) * share, to + (middle + half - to) * share], ..rhythm }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::maths::real;
+    use crate::model::Terrain;
+    use crate::stepper::Style;
+    use glam::{DVec2, DVec3};
+
+    /// The share of a body that walks `heading` rad from straight up a slope of so many degrees, facing that way.
+    fn on(degrees: f64, heading: f64, balls: Option<f64>) -> f64 {
+        let physique = Physique::REFERENCE;
+        let params = Params { balls, ..Params::embodied(&physique, &Style::default()) };
+        let mut state = State::standing(&params, &physique, &Terrain::flat(), DVec2::ZERO, 0.0);
+        let (sin, cos) = real::sin_cos(degrees.to_radians());
+        state.feet.iter_mut().for_each(|foot| foot.normal = DVec3::new(0.0, cos, -sin));
+        let (x, z) = real::sin_cos(heading);
+        (state.ahead, state.gait.velocity) = (DVec2::new(x, z), DVec2::new(x, z) * 0.4);
+        share(&params, &state)
+    }
+
+    #[test]
+    fn feet_stand_on_their_balls_up_what_is_steep_and_nowhere_else() {
+        for (degrees, heading) in [(12.0, 0.0), (0.0, 0.0), (-20.0, 0.0), (20.0, 1.57), (20.0, 3.14)] {
+            assert_eq!(on(degrees, heading, Some(0.13)), 0.0, "{degrees} degrees, {heading}");
+        }
+        assert_eq!(on(15.0, 0.0, Some(0.13)), 1.0);
+        assert_eq!(on(15.0, 0.0, None), 0.0, "the kinematic drive, and feet that do not bend");
+    }
 }
