@@ -2,8 +2,9 @@
 
 use super::base::Base;
 use crate::maths::real;
-use crate::model::Body;
 use crate::model::scenario::{GroundKind, Scenario, Stepper, Walk};
+use crate::model::{Body, BodyPose};
+use crate::ragdoll::{Figure, Locks};
 use crate::sim::FASTEST;
 
 /// By which a tilt (rad), or a length, share or speed, may be over a bound for what it was rounded to.
@@ -110,7 +111,8 @@ impl Parts {
 pub(super) fn unbent(scenario: &Scenario, body: &Body) -> Option<&'static str> {
     let GroundKind::Slope { angle } = scenario.ground.kind else { return None };
     let up = |walk: &Walk| walk.speed > 0.0 && real::tan(angle) * real::cos(walk.heading) > real::tan(STEEP);
-    let steep = scenario.walk.iter().any(up) && body.feet.iter().any(|foot| foot.toe.is_none());
+    let bends = || Figure::new(body, &BodyPose::rest(body), Locks::default()).balls_ahead().is_some();
+    let steep = scenario.walk.iter().any(up) && !bends();
     steep.then_some("[[walk]] up a slope of more than 12 degrees on feet without toe joints")
 }
 
