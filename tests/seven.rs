@@ -7,8 +7,9 @@
 use crate::data;
 use crate::seven_grid::{BARE, Case, Vault, Walked, bodies, seven, walked};
 use rayon::prelude::*;
-use surefoot::bake::Drive;
+use surefoot::bake::{Drive, Helped};
 use surefoot::maths::seed::Seed;
+use surefoot::ragdoll::control::Assist;
 use surefoot::rig::Rig;
 
 /// Of the commanded speed: the issue's.
@@ -65,6 +66,30 @@ fn kinematic_clips_hold_their_speed_in_the_papers_cases() {
         let cases = drawn(&bodies, seed + 3, [0.7, 1.3], [[15.0, 1.0], [15.0, 1.0]]);
         failed.extend(faults("bare", &cases, Drive::Stepper, BARE));
     }
+    assert!(failed.is_empty(), "{failed:#?}");
+}
+
+/// Of 1, of a walk by torques.
+const LOOKS: f64 = 0.8;
+
+#[test]
+fn the_body_walks_as_the_bare_pendulum() {
+    let bodies = bodies(data::more());
+    let (mut failed, mut scores) = (Vec::new(), Vec::new());
+    for seed in 0..20 {
+        let mut draw = Seed::new(seed ^ 0xBA2E);
+        let (name, rig, legs) = &bodies[seed as usize % bodies.len()];
+        let speed = draw.between(0.5, 1.0) * (rig.body.leg_length / 0.83).sqrt().recip().min(1.0);
+        let case = Case { duration: 14.0, ..Case::level("", speed) };
+        let by = Drive::Ragdoll(Helped::Within(Assist::default()));
+        let run = walked(rig, *legs, &case, by, BARE, seed).unwrap_or_else(|why| panic!("{name}: {why}"));
+        println!("{name} at {speed:.2} m/s: {:+.1} %, score {:.2}", 100.0 * run.error, run.score);
+        scores.push(run.score);
+        if run.fell.is_some() || run.error.abs() > STEADY || run.score < LOOKS {
+            failed.push(format!("{name} at {speed:.2} m/s: {:+.3}, fell {:?}, {}", run.error, run.fell, run.score));
+        }
+    }
+    println!("mean {:.3}", scores.iter().sum::<f64>() / scores.len() as f64);
     assert!(failed.is_empty(), "{failed:#?}");
 }
 

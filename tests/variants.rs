@@ -90,7 +90,7 @@ fn a_pull_moves_the_foothold_as_far_as_its_bias_says() {
 }
 
 #[test]
-fn the_body_says_that_it_does_not_heed_them_and_auto_takes_the_stepper() {
+fn the_body_says_that_it_does_not_heed_a_trigger_and_auto_takes_the_stepper() {
     let scenario = shoved("trigger = \"projected\"", 40.0, 0.0, 3.0);
     let by = |drive: Drive| -> Result<Baked, BakeError> {
         bake(&builtin(), &scenario, &BakeOptions { drive, ..BakeOptions::default() })

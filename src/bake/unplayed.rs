@@ -48,6 +48,9 @@ const ASLANT: f64 = 2.0_f64.to_radians();
 const KERB: f64 = 0.1 + ROUNDED;
 const CLIMBS: [f64; 2] = [0.3 - ROUNDED, 0.4 + ROUNDED];
 
+/// m/s at legs of usual length: so fast are walks without ankle feedback.
+const BARE: f64 = 1.0;
+
 const EDGED: [&str; 4] = [
     "[[walk]] on ground with edges",
     "[[turn]] on ground with edges",
@@ -92,8 +95,13 @@ pub(super) fn unplayed(scenario: &Scenario, base: Option<&Base>) -> Vec<&'static
     let lanes = walks || turns || stands || crouches || !scenario.carry.is_empty();
     parts.add(over && lanes, "[base] beside [[walk]], [[turn]], [[crouch]], [[stand]] or [[carry]]");
     parts.add(over && scenario.ground.kind != GroundKind::Flat, "[base] on ground that is not flat");
-    parts.add(scenario.stepper != Stepper::default(), "[stepper]");
+    on_stepper(scenario, &mut parts);
     parts.0
+}
+
+/// Does it face elsewhere than it goes?
+fn aside(walk: &Walk) -> bool {
+    real::cos(walk.facing.unwrap_or(walk.heading) - walk.heading) < 0.7
 }
 
 #[derive(Default)]
@@ -116,11 +124,25 @@ pub(super) fn unbent(scenario: &Scenario, body: &Body) -> Option<&'static str> {
     steep.then_some("[[walk]] up a slope of more than 12 degrees on feet without toe joints")
 }
 
+/// A plan without ankle feedback or springs is played; what else can be chosen of it is the stepper's own.
+fn on_stepper(scenario: &Scenario, parts: &mut Parts) {
+    let played = Stepper { ankle_feedback: true, leg_change: true, ..scenario.stepper };
+    parts.add(played != Stepper::default(), "[stepper] but for ankle_feedback and leg_change");
+    if scenario.stepper.ankle_feedback {
+        return;
+    }
+    let walks = |cannot: &dyn Fn(&Walk) -> bool| scenario.walk.iter().any(|walk| walk.speed > 0.0 && cannot(walk));
+    let fastest = BARE * scenario.character.leg_scale.min(1.0).sqrt() + ROUNDED;
+    parts.add(walks(&|walk| walk.speed > fastest), "[[walk]] at more than 1 m/s without ankle feedback");
+    parts.add(walks(&aside), "[[walk]] backwards or sideways without ankle feedback");
+    let flat = scenario.ground.kind == GroundKind::Flat;
+    parts.add(!flat && walks(&|_| true), "[[walk]] without ankle feedback on ground that is not flat");
+}
+
 fn on_slope(scenario: &Scenario, angle: f64, parts: &mut Parts) {
     let rises = real::tan(angle);
     let walks = |cannot: &dyn Fn(&Walk) -> bool| scenario.walk.iter().any(|walk| walk.speed > 0.0 && cannot(walk));
     let up = |walk: &Walk| rises * real::cos(walk.heading);
-    let aside = |walk: &Walk| real::cos(walk.facing.unwrap_or(walk.heading) - walk.heading) < 0.7;
     parts.add(walks(&|walk| up(walk) > real::tan(UP.0)), "[[walk]] up a slope of more than 20 degrees");
     let pace = scenario.character.leg_scale.sqrt();
     let paced = |walk: &Walk| (UP.1[0] * pace..=UP.1[1] * pace).contains(&walk.speed);

@@ -81,7 +81,7 @@ pub struct Style {
     pub arms: f64,
 }
 
-/// The stepper as the paper varies it; as it comes, the best that is known. The articulated body does not heed it yet.
+/// The stepper as the paper varies it; as it comes, the best that is known. The articulated body heeds the first two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stepper {
     /// In a walk pressure moves under a foot. Without: the paper's bare pendulum, which touches the ground in points. A stand keeps it.

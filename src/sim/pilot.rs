@@ -24,6 +24,9 @@ const AT_EASE: f64 = 0.4;
 const SEEN: f64 = 0.6;
 const GATHERS: f64 = 0.3;
 const MOST: f64 = 0.3;
+/// s at legs of 0.83 m: without ankle feedback, for each m/s that it lacks the pressure is so far (m) behind where the plan has it, which
+/// speeds up the whole step. By asking for more speed alone such walks are 14 % too slow at 0.9 m/s.
+const BEHIND: f64 = 0.3;
 
 /// m/s at legs of 0.83 m, how fast the pelvis goes down into a crouch and up again.
 const SINKS: f64 = 0.2;
@@ -111,9 +114,10 @@ impl Pilot {
         });
         let gait = &state.gait;
         let steps = matches!(gait.phase, Phase::Single | Phase::Double);
+        let behind = if steps { self.behind() } else { DVec2::ZERO };
         let stride = steps.then(|| self.session.stride());
         Guide {
-            pressure: follow::pressure(state),
+            pressure: follow::pressure(state) - DVec3::new(behind.x, 0.0, behind.y),
             floor: state.carried.height,
             climbs: state.carried.rate,
             heading: state.facing,
@@ -124,6 +128,16 @@ impl Pilot {
             stride,
             balls: steep::share(params, state),
         }
+    }
+
+    /// m, (x, z): how far behind where the plan has it the pressure is to be, where it stays in one place, for the body to catch up with
+    /// the speed that is asked for.
+    fn behind(&self) -> DVec2 {
+        let (state, params) = (self.session.state(), self.session.params());
+        if params.rolls {
+            return DVec2::ZERO;
+        }
+        state.ahead * (self.lacks.dot(state.ahead) * BEHIND * params.tempo)
     }
 
     /// Where in the gait it is and what velocity (m/s) it follows, where it leads.
