@@ -345,3 +345,48 @@ fn kerbs_are_stepped_up_and_down() {
         }
     }
 }
+
+#[test]
+fn flights_are_climbed_one_tread_at_a_time() {
+    let mut people = vec![(builtin(), 1.0), (builtin(), 1.15)];
+    if let Some(folder) = data::more() {
+        for name in ["gdquest_mannequiny.glb", "m2m_rig_human.glb"] {
+            people.push((surefoot::rig::load(&folder.join("rigs").join(name)).expect("the rig loads"), 1.0));
+        }
+    }
+    let clips: Vec<(String, [f64; 2], Baked)> = (0..20u64)
+        .into_par_iter()
+        .map(|seed| {
+            let mut draw = Seed::new(seed ^ 0xF119);
+            let (rig, legs) = &people[seed as usize % people.len()];
+            let (rise, tread) = (draw.between(0.03, 0.1), draw.between(0.301, 0.359));
+            let pace = draw.between(0.201, 0.349) * f64::sqrt(*legs);
+            let ground = format!("[ground]\nkind = \"stairs\"\nrise = {rise:.4}\ntread = {tread:.4}\ncount = 5");
+            let character = format!("[character]\nleg_scale = {legs}");
+            let text = format!("title = \"flight\"\nduration = 20.0\n{ground}\n{character}\n{}", walk(pace));
+            (format!("{seed}: {rise:.3} m at {pace:.2} m/s, legs {legs}"), [rise, tread], baked(rig, &text, seed))
+        })
+        .collect();
+    let (mut scores, mut failed) = (0.0, Vec::new());
+    for (name, [rise, tread], clip) in &clips {
+        let (report, ticks) = (&clip.report, &clip.performance.trace.ticks);
+        let (first, last) = (ticks[0].com, ticks[ticks.len() - 1].com);
+        let (gained, measured) = (last.y - first.y, &report.plausibility);
+        println!("{name}: {:?}, {:.1} m, {gained:.2} m up, score {:.2}", report.outcome, last.z, measured.score);
+        scores += measured.score;
+        // It has come on to the fourth tread at least, and is as high as the treads that it is on.
+        let treads = ((last.z - 1.0) / tread).floor() + 1.0;
+        let faults = [
+            (report.outcome == Outcome::Fall, "it falls"),
+            (last.z < 1.0 + 3.0 * tread, "it does not get on"),
+            (gained < rise * (treads.min(5.0) - 1.0) - 0.08, "it is not as high as its treads"),
+            (measured.joint_excess_share > 0.01, "joints past their ranges"),
+            (measured.hover_longest_s > 0.05, "in the air"),
+            (measured.penetration_max_mm > 6.0, "a sole is deep in a riser"),
+            (measured.score < 0.5, "its score"),
+        ];
+        failed.extend(faults.iter().filter(|fault| fault.0).map(|fault| format!("{name}: {}", fault.1)));
+    }
+    assert!(failed.is_empty(), "{failed:#?}");
+    assert!(scores / clips.len() as f64 > 0.9, "a mean score of {:.2}", scores / clips.len() as f64);
+}

@@ -198,7 +198,7 @@ fn what_it_cannot_play_is_named_and_never_left_out() {
     for (lane, named) in [
         ("[ground]\nkind = 'slope'\nangle = 16\n[[stand]]\nstart = 0.5\non = 'left'", "[[stand]] on a slope"),
         ("[ground]\nkind = 'slope'\nangle = -13\n[[turn]]\nstart = 0.5\nfacing = 90", "[[turn]] on a slope"),
-        ("[ground]\nkind = 'slope'\nangle = 13\n[[walk]]\nstart = 0.5\nspeed = 0.4", "[[walk]] up a slope"),
+        ("[ground]\nkind = 'slope'\nangle = 21\n[[walk]]\nstart = 0.5\nspeed = 0.4", "[[walk]] up a slope"),
         ("[ground]\nkind = 'slope'\nangle = 13\n[[walk]]\nstart = 0.5\nspeed = 0.4\nheading = 90", "[[walk]] across"),
         (
             "[ground]\nkind = 'slope'\nangle = -9\n[[walk]]\nstart = 0.5\nspeed = 0.2\nfacing = 180",
@@ -210,12 +210,17 @@ fn what_it_cannot_play_is_named_and_never_left_out() {
             "on uneven ground",
         ),
         (
-            "[ground]\nkind = 'stairs'\nrise = 0.17\ntread = 0.3\n[[walk]]\nstart = 0.5\nspeed = 0.5",
-            "ground with edges",
+            "[ground]\nkind = 'stairs'\nrise = 0.17\ntread = 0.3\n[[walk]]\nstart = 0.5\nspeed = 0.3",
+            "steps of more than 0.1 m",
+        ),
+        ("[ground]\nkind = 'stairs'\nrise = -0.05\ntread = 0.3\n[[walk]]\nstart = 0.5\nspeed = 0.3", "down stairs"),
+        (
+            "[ground]\nkind = 'stairs'\nrise = 0.05\ntread = 0.3\n[[walk]]\nstart = 0.5\nspeed = 0.5",
+            "more than 0.35 m/s",
         ),
         (
             "[ground]\nkind = 'stairs'\nrise = 0.17\ntread = 0.3\ncount = 1\n[[walk]]\nstart = 0.5\nspeed = 0.35",
-            "a kerb of more than 0.1 m",
+            "steps of more than 0.1 m",
         ),
         (
             "[ground]\nkind = 'stairs'\nrise = -0.05\ntread = 0.3\ncount = 1\n[[walk]]\nstart = 0.5\nspeed = 0.6",

@@ -94,6 +94,10 @@ pub struct Guide {
     pub heading: f64,
     /// m/s, how fast it goes, (x, z).
     pub velocity: DVec2,
+    /// rad, how far the trunk is to lean forwards.
+    pub lean: f64,
+    /// The foot whose heel is to rise, and how far, rad.
+    pub heel: Option<(Side, f64)>,
     /// It turns on the spot.
     pub spot: bool,
     /// The step under way.

@@ -3,9 +3,10 @@
 use super::control::{Controller, Swing};
 use super::figure::Figure;
 use super::flat;
+use super::sole::{BALL, POINTS, TIP};
 use crate::maths::curve::smooth3;
 use crate::model::{Side, Terrain};
-use glam::{DQuat, DVec2};
+use glam::{DQuat, DVec2, DVec3};
 
 /// m at legs of 0.83 m: ground by so much lower than under a sole's middle does not bear the rest of it.
 pub(super) const LOWER: f64 = 0.02;
@@ -27,6 +28,8 @@ const DOWN: [f64; 3] = [0.04, 0.7, 0.45];
 const HIGHER: f64 = 1.5;
 /// Parts of the way at which the ground is asked.
 const PARTS: i32 = 8;
+/// How often the way from a point over an edge to the ball is halved to find the edge: to 0.1 mm.
+const HALVES: u32 = 10;
 
 /// A swing over an edge.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +49,41 @@ pub(super) fn aloft(share: f64) -> f64 {
 }
 
 impl Controller {
+    /// m, the points of a sole in its foot's frame: those over a lower tread are drawn in to the edge, as far as the ball.
+    pub(super) fn drawn_in(&self, figure: &Figure, terrain: &Terrain, side: Side) -> [DVec3; POINTS] {
+        let mut points = figure.soles[side as usize];
+        if !terrain.has_treads() {
+            return points;
+        }
+        let (ankle, yaw) = self.foot(figure, side);
+        let under = self.under_sole(terrain, side, flat(ankle), yaw) - LOWER * self.size;
+        let height = |index: usize, point: DVec3| {
+            terrain.spot(flat(figure.carried(&self.motion.states, side, index, point))).height
+        };
+        for index in (0..BALL).chain(TIP..POINTS) {
+            let (out, ball) = (points[index], points[BALL + index % 2]);
+            if height(index, out) >= under {
+                continue;
+            }
+            let (mut inside, mut outside) = (1.0, 0.0);
+            for _ in 0..HALVES {
+                let middle = 0.5 * (inside + outside);
+                *(if height(index, out.lerp(ball, middle)) >= under { &mut inside } else { &mut outside }) = middle;
+            }
+            points[index] = out.lerp(ball, inside);
+        }
+        points
+    }
+
+    /// m, where the points of a sole that stands are.
+    pub(super) fn bearing_points(&self, figure: &Figure, side: Side) -> [DVec3; POINTS] {
+        if !self.treads {
+            return figure.sole_at(&self.motion.states, side);
+        }
+        let points = self.soles[side as usize].points;
+        std::array::from_fn(|index| figure.carried(&self.motion.states, side, index, points[index]))
+    }
+
     /// m, the height of the ground under a foot: on treads, under its sole's middle.
     pub(super) fn under_sole(&self, terrain: &Terrain, side: Side, ankle: DVec2, yaw: f64) -> f64 {
         let at = if terrain.has_treads() { ankle + self.ahead(side, yaw) } else { ankle };

@@ -40,6 +40,8 @@ pub(super) struct Sole {
     pub(super) lifted: [f64; POINTS],
     /// m, about which point it turns.
     pub(super) pivot: DVec3,
+    /// m, its points in the foot's frame, drawn in to what of the ground is under them.
+    pub(super) points: [DVec3; POINTS],
 }
 
 /// The swing of what hangs down in the stand, as a turn about a level axis.
@@ -114,11 +116,16 @@ impl Controller {
         let normal = terrain.spot(flat(state.origin)).normal;
         let level = DQuat::from_rotation_arc(state.turn * DVec3::Y, normal) * state.turn;
         // Feet that are long for their legs are stood on flat: the way over their tips is too far.
-        let corners = figure.soles[side as usize];
-        let [heel, .., tip, _] = corners;
+        let corners = self.drawn_in(figure, terrain, side);
+        let [heel, .., tip, _] = figure.soles[side as usize];
         let long = (heel.distance(tip) / figure.leg_length - LONG[0]) / (LONG[1] - LONG[0]);
         let margin = self.tuning.margin[0] - leaning(terrain) - BROAD * long.clamp(0.0, 1.0);
-        let (wanted, spin, gives) = self.heeds(figure, side, level, margin);
+        let heel = self.guide.and_then(|guide| guide.heel).filter(|(foot, pitch)| *foot == side && *pitch > 0.0);
+        let raised = heel.map_or(level, |(_, pitch)| {
+            let across = DQuat::from_rotation_y(yaw_of(state.turn)) * DVec3::X;
+            DQuat::from_axis_angle(across, pitch) * level
+        });
+        let (wanted, spin, gives) = self.heeds(figure, side, raised, margin);
         // Toes stay where they are as the heel rises.
         let stiff = figure.stiff_sole(side).len();
         let heights = corners.map(|corner| (wanted * corner).dot(normal));
@@ -145,7 +152,7 @@ impl Controller {
         let about =
             (0..stiff).map(|index| figure.pivot(&self.states, side, index).unwrap_or(at[index]) * bearing[index]);
         let pivot = about.sum::<DVec3>() / weight.max(1e-9);
-        Sole { wanted, level, spin, gives, lifted, pivot }
+        Sole { wanted, level, spin, gives, lifted, pivot, points: corners }
     }
 }
 

@@ -60,7 +60,10 @@ impl Controller {
     pub(super) fn bow(&mut self, figure: &Figure, terrain: &Terrain, dt: f64) {
         let share = (dt / (FOLLOWS * self.tempo())).min(1.0);
         let goes = self.guide.is_some_and(|guide| guide.velocity != DVec2::ZERO);
-        self.uphill += (LEANS_IN[usize::from(goes)] * self.faces_up(terrain) - self.uphill) * share;
+        self.uphill += (LEANS_IN[usize::from(goes)] * self.faces_up(terrain)
+            + self.guide.map_or(0.0, |guide| guide.lean)
+            - self.uphill)
+            * share;
         self.leans = self.uphill + CROUCHES * self.lower / figure.leg_length;
     }
 

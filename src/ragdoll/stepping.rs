@@ -52,8 +52,7 @@ impl Controller {
         let mut points = Vec::with_capacity(8);
         for side in Side::BOTH {
             if self.swing.is_none_or(|swing| swing.side != side) {
-                let corners =
-                    figure.sole_at(&self.motion.states, side).into_iter().zip(self.soles[side as usize].lifted);
+                let corners = self.bearing_points(figure, side).into_iter().zip(self.soles[side as usize].lifted);
                 points.extend(corners.filter(|(_, lifted)| *lifted < most).map(|(corner, _)| flat(corner)));
             }
         }

@@ -266,7 +266,8 @@ impl Controller {
             let dear = if leaves { 30.0 } else { 1.0 };
             let [a, b, .., y, z] = figure.soles[side as usize];
             let middle = 0.25 * (a + b + y + z);
-            for (index, corner) in figure.soles[side as usize].iter().enumerate() {
+            let points = if self.treads { self.soles[side as usize].points } else { figure.soles[side as usize] };
+            for (index, corner) in points.iter().enumerate() {
                 let corner = middle + (*corner - middle) * self.tuning.inside;
                 let at = figure.carried(&self.states, side, index, corner);
                 let spot = terrain.spot(flat(at));

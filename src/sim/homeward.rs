@@ -170,6 +170,8 @@ impl Homeward {
             climbs: 0.0,
             heading: self.faces,
             velocity: DVec2::ZERO,
+            lean: 0.0,
+            heel: None,
             spot: false,
             swing,
             leaves: None,

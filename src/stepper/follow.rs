@@ -7,7 +7,7 @@
 
 use super::rise::Carried;
 use super::{Inputs, Params, Physique, State, Step, StepKind, Style};
-use super::{balance, control, decide, foothold, footing, grip, ground, rise, roll, stand, swing, walk};
+use super::{balance, climb, control, decide, foothold, footing, grip, ground, rise, roll, stand, swing, walk};
 use crate::maths::real;
 use crate::model::{Side, Terrain};
 use glam::DVec3;
@@ -75,6 +75,16 @@ pub fn follow(
     rest(params, state, dt);
     let inputs = &Inputs { force: measured.force, ..*inputs };
     control::perceive(params, physique, state, inputs, dt);
+    if climb::goes(params, physique, terrain, state, inputs) {
+        if landed.is_some() {
+            climb::landed(state);
+        }
+        climb::tick(params, physique, terrain, state, dt);
+        state.tick += 1;
+        state.time = state.tick as f64 * dt;
+        return landed;
+    }
+    let inputs = &climb::ended(params, physique, terrain, state, inputs);
     state.gait.grip = grip::longest(params, physique, state);
     walk::steer(params, physique, terrain, state, inputs, dt);
     rise::foresee(params, physique, terrain, state);
@@ -117,6 +127,7 @@ pub fn wait(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut
     state.swing = None;
     state.intent = None;
     state.one = super::OneFoot::default();
+    state.climb = climb::Climb::default();
     let velocity = ground(measured.velocity);
     state.gait = super::Gait { velocity, ..super::Gait::still(state.gait.side) };
     take_in(physique, state, measured, terrain);

@@ -8,6 +8,7 @@
 //! Your Step" (2013); the capture point of Koolen (2012) and the extrapolated centre of mass of Hof (2005).
 
 mod balance;
+mod climb;
 mod control;
 mod decide;
 pub mod follow;

@@ -159,6 +159,15 @@ pub fn follow(params: &Params, physique: &Physique, terrain: &Terrain, state: &m
     state.carried = Carried { height: state.carried.height + rate * dt, rate, full };
 }
 
+/// Follows the rest lengths by a tick to that height, m, with that time constant, s.
+pub fn towards(state: &mut State, goal: f64, constant: f64, dt: f64) {
+    let Carried { height, rate, .. } = state.carried;
+    let sharp = 1.0 / constant;
+    let rate = rate + ((goal - height) * (sharp * sharp) - rate * (2.0 * sharp)) * dt;
+    let height = height + rate * dt;
+    state.carried = Carried { height, rate, full: [height, rate] };
+}
+
 /// m, the height that the longest leg will have when the swing lands: the lower of the two footholds.
 pub fn at_landing(state: &State) -> f64 {
     let Some(swing) = &state.swing else { return state.carried.height };

@@ -114,6 +114,8 @@ pub struct State {
     pub gait: Gait,
     /// Standing on one foot.
     pub one: OneFoot,
+    /// On a flight of stairs.
+    pub climb: super::climb::Climb,
     /// The step decided on.
     pub intent: Option<Intent>,
     /// rad, where the pelvis points.
@@ -192,6 +194,7 @@ impl State {
             swing: None,
             gait: Gait::still(params.lead),
             one: OneFoot::default(),
+            climb: super::climb::Climb::default(),
             intent: None,
             facing,
             ahead: support::forward(facing),

@@ -234,7 +234,7 @@ impl Walked {
                 return;
             }
         }
-        if busy < end - 0.1 {
+        if busy < end - 0.1 && !self.ends_in_clip(end) {
             self.notes.push(
                 "the clip ends before it is back in the base clip's walk: give the scenario more duration".into(),
             );
