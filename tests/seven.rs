@@ -79,7 +79,7 @@ fn the_body_walks_as_the_bare_pendulum() {
     for seed in 0..20 {
         let mut draw = Seed::new(seed ^ 0xBA2E);
         let (name, rig, legs) = &bodies[seed as usize % bodies.len()];
-        let speed = draw.between(0.5, 1.0) * (rig.body.leg_length / 0.83).sqrt().recip().min(1.0);
+        let speed = draw.between(0.5, 1.0) * (rig.body.leg_length * legs / 0.83).sqrt().recip().min(1.0);
         let case = Case { duration: 14.0, ..Case::level("", speed) };
         let by = Drive::Ragdoll(Helped::Within(Assist::default()));
         let run = walked(rig, *legs, &case, by, BARE, seed).unwrap_or_else(|why| panic!("{name}: {why}"));
