@@ -210,8 +210,8 @@ fn what_it_cannot_play_is_named_and_never_left_out() {
             "on uneven ground",
         ),
         (
-            "[ground]\nkind = 'stairs'\nrise = 0.17\ntread = 0.3\n[[walk]]\nstart = 0.5\nspeed = 0.3",
-            "steps of more than 0.1 m",
+            "[ground]\nkind = 'stairs'\nrise = 0.19\ntread = 0.3\n[[walk]]\nstart = 0.5\nspeed = 0.3",
+            "steps of more than 0.17 m",
         ),
         ("[ground]\nkind = 'stairs'\nrise = -0.05\ntread = 0.3\n[[walk]]\nstart = 0.5\nspeed = 0.3", "down stairs"),
         (
@@ -219,8 +219,8 @@ fn what_it_cannot_play_is_named_and_never_left_out() {
             "more than 0.35 m/s",
         ),
         (
-            "[ground]\nkind = 'stairs'\nrise = 0.17\ntread = 0.3\ncount = 1\n[[walk]]\nstart = 0.5\nspeed = 0.35",
-            "steps of more than 0.1 m",
+            "[ground]\nkind = 'stairs'\nrise = 0.19\ntread = 0.3\ncount = 1\n[[walk]]\nstart = 0.5\nspeed = 0.35",
+            "steps of more than 0.17 m",
         ),
         (
             "[ground]\nkind = 'stairs'\nrise = -0.05\ntread = 0.3\ncount = 1\n[[walk]]\nstart = 0.5\nspeed = 0.6",

@@ -51,9 +51,10 @@ const CLIMBS: [f64; 2] = [0.3 - ROUNDED, 0.4 + ROUNDED];
 /// m/s at legs of usual length: so fast are walks without ankle feedback.
 const BARE: f64 = 1.0;
 
-/// m: so high are the steps of a flight that is climbed, one tread at a time, and from where to where its treads reach; shortest and
+/// m: so high are the steps of a flight that is climbed, one tread at a time, on feet that do not bend (on higher ones only their tips
+/// bear, and a third falls) and on others; from where to where its treads reach; shortest and
 /// longest `leg_scale` on it (of 100 walks on treads of 0.30 to 0.34 m nobody falls, of 100 on 0.28 to 0.30 m seven do); m/s at legs of usual length, Froude-equal at others: how fast it is walked up to.
-const CLIMBED: f64 = 0.1 + ROUNDED;
+const CLIMBED: [f64; 2] = [0.1 + ROUNDED, 0.17 + ROUNDED];
 const TREADS: [f64; 2] = [0.3 - ROUNDED, 0.36 + ROUNDED];
 const SCALED: [f64; 2] = [1.0 - ROUNDED, 1.15 + ROUNDED];
 const APPROACHES: [f64; 2] = [0.2 - ROUNDED, 0.35 + ROUNDED];
@@ -125,11 +126,18 @@ impl Parts {
 
 /// What of it only feet that bend play, if they do not.
 pub(super) fn unbent(scenario: &Scenario, body: &Body) -> Option<&'static str> {
-    let GroundKind::Slope { angle } = scenario.ground.kind else { return None };
-    let up = |walk: &Walk| walk.speed > 0.0 && real::tan(angle) * real::cos(walk.heading) > real::tan(STEEP);
-    let bends = || Figure::new(body, &BodyPose::rest(body), Locks::default()).balls_ahead().is_some();
-    let steep = scenario.walk.iter().any(up) && !bends();
-    steep.then_some("[[walk]] up a slope of more than 12 degrees on feet without toe joints")
+    let walks = |cannot: &dyn Fn(&Walk) -> bool| scenario.walk.iter().any(|walk| walk.speed > 0.0 && cannot(walk));
+    let part = match scenario.ground.kind {
+        GroundKind::Slope { angle } if walks(&|walk| real::tan(angle) * real::cos(walk.heading) > real::tan(STEEP)) => {
+            "[[walk]] up a slope of more than 12 degrees on feet without toe joints"
+        }
+        GroundKind::Stairs { rise, .. } if rise > CLIMBED[0] && walks(&|_| true) => {
+            "[[walk]] up stairs with steps of more than 0.1 m on feet without toe joints"
+        }
+        _ => return None,
+    };
+    let bends = Figure::new(body, &BodyPose::rest(body), Locks::default()).balls_ahead().is_some();
+    (!bends).then_some(part)
 }
 
 /// A plan without ankle feedback or springs is played; what else can be chosen of it is the stepper's own.
@@ -238,7 +246,7 @@ fn on_stairs(scenario: &Scenario, [rise, tread]: [f64; 2], parts: &mut Parts) {
     let pace = size.sqrt();
     let fast = |walk: &Walk| !(APPROACHES[0] * pace..=APPROACHES[1] * pace).contains(&walk.speed);
     parts.add(walks(&|_| rise < 0.0), "[[walk]] down stairs");
-    parts.add(walks(&|_| rise > CLIMBED), "[[walk]] up stairs with steps of more than 0.1 m");
+    parts.add(walks(&|_| rise > CLIMBED[1]), "[[walk]] up stairs with steps of more than 0.17 m");
     parts.add(
         walks(&|_| !(TREADS[0]..=TREADS[1]).contains(&tread)),
         "[[walk]] up stairs with treads of less than 0.3 or more than 0.36 m",

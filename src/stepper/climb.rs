@@ -224,9 +224,9 @@ fn place(params: &Params, physique: &Physique, terrain: &Terrain, state: &State,
     }
     let [next, end] = terrain.floor(edge + EDGE).unwrap_or([edge, f64::INFINITY]);
     let (low, high) = (next - rear, end - front);
-    let on = if high < low { high } else { low + (0.5 * (high - low)).min(ROOM * params.size) };
-    let near = on - stance.ankle.z < LONGEST * params.size.max(1.0);
-    if near { on } else { (edge - front).min(stance.ankle.z + STRIDE * params.size) }
+    let far = stance.ankle.z + LONGEST * params.size.max(1.0);
+    let on = if high < low { high } else { (low + (0.5 * (high - low)).min(ROOM * params.size)).min(far.max(low)) };
+    if on <= far { on } else { (edge - front).min(stance.ankle.z + STRIDE * params.size) }
 }
 
 /// m, how much higher the tread is before the foot that is behind.
