@@ -199,6 +199,8 @@ pub fn tick(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut
     }
 }
 
+/// Share of a sole that may be over the edge behind it where the tread is hard to reach: as much as on treads that are shorter than it.
+const OVERHANGS: f64 = 0.25;
 /// m of the reference body: a foot that would go no farther stays where it is.
 const STAYS: f64 = 0.02;
 
@@ -225,7 +227,8 @@ fn place(params: &Params, physique: &Physique, terrain: &Terrain, state: &State,
     let [next, end] = terrain.floor(edge + EDGE).unwrap_or([edge, f64::INFINITY]);
     let (low, high) = (next - rear, end - front);
     let far = stance.ankle.z + LONGEST * params.size.max(1.0);
-    let on = if high < low { high } else { (low + (0.5 * (high - low)).min(ROOM * params.size)).min(far.max(low)) };
+    let least = low - OVERHANGS * (physique.tip - physique.heel);
+    let on = if high < low { high } else { (low + (0.5 * (high - low)).min(ROOM * params.size)).min(far.max(least)) };
     if on <= far { on } else { (edge - front).min(stance.ankle.z + STRIDE * params.size) }
 }
 
