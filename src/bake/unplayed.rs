@@ -51,12 +51,14 @@ const CLIMBS: [f64; 2] = [0.3 - ROUNDED, 0.4 + ROUNDED];
 /// m/s at legs of usual length: so fast are walks without ankle feedback.
 const BARE: f64 = 1.0;
 
-/// m: so high are the steps of a flight that is climbed, one tread at a time, on feet that do not bend (on higher ones only their tips
-/// bear, and a third falls) and on others; from where to where its treads reach; shortest and
-/// longest `leg_scale` on it (of 100 walks on treads of 0.30 to 0.34 m nobody falls, of 100 on 0.28 to 0.30 m seven do); m/s at legs of usual length, Froude-equal at others: how fast it is walked up to.
+/// m: so high are the steps of a flight that is climbed, one tread at a time, on feet that do not bend (on higher ones only their tips bear,
+/// and a third falls) and on others.
 const CLIMBED: [f64; 2] = [0.1 + ROUNDED, 0.17 + ROUNDED];
+/// m, from where to where its treads reach: of 100 walks drawn on treads of 0.28 to 0.34 m seven fall, all on treads under 0.30 m.
 const TREADS: [f64; 2] = [0.3 - ROUNDED, 0.36 + ROUNDED];
+/// Shortest and longest `leg_scale` on it: with 0.8 a third falls on high steps, with 1.3 some fall before the first.
 const SCALED: [f64; 2] = [1.0 - ROUNDED, 1.15 + ROUNDED];
+/// m/s at legs of usual length, Froude-equal at others: how fast it is walked up to.
 const APPROACHES: [f64; 2] = [0.2 - ROUNDED, 0.35 + ROUNDED];
 
 const EDGED: [&str; 4] = [
