@@ -234,10 +234,7 @@ fn on_kerb(scenario: &Scenario, rise: f64, parts: &mut Parts) {
     parts.add(walks(&|_| size < 1.0), "[[walk]] over a kerb on shortened legs");
     parts.add(walks(&fast), "[[walk]] over a kerb at less than 0.3 or more than 0.4 m/s");
     parts.add(walks(&turned), "[[walk]] over a kerb that does not go and face straight ahead");
-    let [_, turn, crouch, stand] = EDGED;
-    parts.add(!scenario.turn.is_empty(), turn);
-    parts.add(!scenario.crouch.is_empty(), crouch);
-    parts.add(!scenario.stand.is_empty(), stand);
+    lanes(&Scenario { walk: Vec::new(), ..scenario.clone() }, parts, EDGED);
 }
 
 /// A flight, or a kerb too high for the gait: climbed one tread at a time.
@@ -259,10 +256,7 @@ fn on_stairs(scenario: &Scenario, [rise, tread]: [f64; 2], parts: &mut Parts) {
     );
     parts.add(walks(&fast), "[[walk]] up stairs at less than 0.2 or more than 0.35 m/s");
     parts.add(walks(&turned), "[[walk]] up stairs that does not go and face straight ahead");
-    let [_, turn, crouch, stand] = EDGED;
-    parts.add(!scenario.turn.is_empty(), turn);
-    parts.add(!scenario.crouch.is_empty(), crouch);
-    parts.add(!scenario.stand.is_empty(), stand);
+    lanes(&Scenario { walk: Vec::new(), ..scenario.clone() }, parts, EDGED);
 }
 
 /// A mesh.
