@@ -73,7 +73,9 @@ pub(super) fn perceive(params: &Params, physique: &Physique, state: &mut State, 
     state.settled += dt;
     state.recovering += dt;
     let aim = middle(params, state.ahead, ankles(state));
-    let shoved = shoved(physique, state, force, dt);
+    // what lasts is no shove to who leads a body: under 80 N it gave up its steps as if struck at each of them
+    let lasts = if params.trims { DVec2::ZERO } else { state.gait.lasting };
+    let shoved = shoved(physique, state, force - lasts, dt);
     state.touch += (force - state.touch) * (1.0 - real::exp(-dt / (0.5 * params.sense)));
     state.pushed = if shoved { state.pushed + dt } else { 0.0 };
     if shoved || (state.xi() - aim).length() > 0.03 * params.size {

@@ -45,7 +45,8 @@ impl Params {
             retarget: 1.2 * pace,
             step_width: 1.2 * own.step_width,
             stumble: [0.15 * own.size, 0.05 * own.size],
-            even: 0.7, // with all of it a body limps: every step makes up for the one before, too much
+            even: 0.7,    // with all of it a body limps: every step makes up for the one before, too much
+            trims: false, // who leads the body asks for what it lacks (`sim::pilot`): both at once run away from each other
             fits: true,
             midair: 0.03 * own.size,
             wide: [0.3 * own.size, 0.5 * own.size],

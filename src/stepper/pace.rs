@@ -34,7 +34,7 @@ pub struct Pace {
 pub fn landed(params: &Params, physique: &Physique, state: &mut State) {
     // nothing of a bare pendulum's gives way to a force: its closed form balances that
     let heavy = state.gait.lasting.length() > FORCED * physique.mass * GRAVITY;
-    let forced = heavy && params.leg_change && state.gait.longest.is_infinite();
+    let forced = heavy && params.trims && params.leg_change && state.gait.longest.is_infinite();
     if !forced && state.feet.iter().all(|foot| foot.normal.y > LEVEL) {
         state.gait.pace = Pace::default();
         return;

@@ -117,6 +117,7 @@ pub struct Params {
     pub step_gap: f64,      // m, between the ankles of feet that pass each other
     pub stumble: [f64; 2], // m, a wanted landing so far out of reach wants a corrective step; the same soon after a shove
     pub midair: f64,       // m, the same of a step in the air soon after a shove
+    pub trims: bool,       // under a force that lasts it corrects its own speed, and nobody else does
     pub fits: bool,        // steps are timed so that they land off the edges of gaps
     pub balls: Option<f64>, // m ahead of the ankles, where feet bear with their heels up; none where heels rise by themselves or not at all
     pub even: f64,          // share that is kept of what makes a step unlike the last ones
@@ -231,6 +232,7 @@ impl Params {
             stumble: [dial(1.2, 1.0, 0.65) * size; 2],
             midair: f64::INFINITY, // a foot of the pendulum's is where it is planned
             even: 1.0,
+            trims: true,
             fits: false,
             balls: None,
             wide: [f64::INFINITY; 2],
