@@ -93,6 +93,7 @@ mod measure;
 /// Grounds of triangles: kerbs, ramps, steps, ledges, walls.
 mod mesh_ground;
 /// Their files: broken ones, where they are found, how fast they answer.
+mod mesh_led;
 mod mesh_level;
 /// The articulated body in the mirror: a scenario and its mirror image.
 mod mirrored;

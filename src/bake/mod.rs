@@ -15,6 +15,7 @@ mod chain;
 mod clearance;
 pub mod contacts;
 mod converge;
+mod crossed;
 mod curved;
 pub mod feet;
 mod feet_based;

@@ -1,6 +1,7 @@
 //! What of a scenario the articulated body cannot play yet, by name: bounds within which seeded walks of several rigs keep their feet.
 
 use super::base::Base;
+use super::crossed::{Crossed, crossed};
 use crate::maths::real;
 use crate::model::scenario::{GroundKind, Scenario, Stepper, Walk};
 use crate::model::{Body, BodyPose};
@@ -61,12 +62,19 @@ const SCALED: [f64; 2] = [1.0 - ROUNDED, 1.15 + ROUNDED];
 /// m/s at legs of usual length, Froude-equal at others: how fast it is walked up to.
 const APPROACHES: [f64; 2] = [0.2 - ROUNDED, 0.35 + ROUNDED];
 
+/// rad: so steep are meshes walked down, and so much may their ground bend within 15 cm (of 60 seeded walks over ramps of 4 to 15 degrees three
+/// fall, where these bend by 13 to 15); m: so high are their steps (of 16 drawn to 0.1 m one, of 0.099 m, is not got over).
+const MESH_DOWN: f64 = 15.0_f64.to_radians();
+const BENDS: f64 = 10.0_f64.to_radians();
+const MESH_KERB: f64 = 0.08 + ROUNDED;
+
 const EDGED: [&str; 4] = [
     "[[walk]] on ground with edges",
     "[[turn]] on ground with edges",
     "[[crouch]] on ground with edges",
     "[[stand]] on ground with edges",
 ];
+const MESHED: [&str; 4] = ["[[walk]] on a mesh", "[[turn]] on a mesh", "[[crouch]] on a mesh", "[[stand]] on a mesh"];
 const TILTED: [&str; 4] = [
     "[[walk]] on a platform that tilts by more than 12 degrees",
     "[[turn]] on a platform that tilts by more than 18 degrees",
@@ -88,7 +96,7 @@ pub(super) fn unplayed(scenario: &Scenario, base: Option<&Base>) -> Vec<&'static
         GroundKind::Gaps { width, spacing } => on_gaps(scenario, [width, spacing], &mut parts),
         GroundKind::Stairs { rise, count: 1, .. } if rise <= KERB => on_kerb(scenario, rise, &mut parts),
         GroundKind::Stairs { rise, tread, .. } => on_stairs(scenario, [rise, tread], &mut parts),
-        _ => on_edges(scenario, &mut parts),
+        GroundKind::Mesh { .. } => on_mesh(scenario, &mut parts),
     }
     let [walks, turns, stands] = [!scenario.walk.is_empty(), !scenario.turn.is_empty(), !scenario.stand.is_empty()];
     let crouches = !scenario.crouch.is_empty();
@@ -259,9 +267,38 @@ fn on_stairs(scenario: &Scenario, [rise, tread]: [f64; 2], parts: &mut Parts) {
     lanes(&Scenario { walk: Vec::new(), ..scenario.clone() }, parts, EDGED);
 }
 
-/// A mesh.
-fn on_edges(scenario: &Scenario, parts: &mut Parts) {
-    lanes(scenario, parts, EDGED);
+/// A mesh: by what of it the walks cross.
+fn on_mesh(scenario: &Scenario, parts: &mut Parts) {
+    lanes(&Scenario { walk: Vec::new(), ..scenario.clone() }, parts, MESHED);
+    let walks = |cannot: &dyn Fn(&Walk) -> bool| scenario.walk.iter().any(|walk| walk.speed > 0.0 && cannot(walk));
+    if !walks(&|_| true) {
+        return;
+    }
+    let Crossed { up, down, across, bends, step, apart, hole, aslant } = crossed(scenario);
+    let (size, steepest) = (scenario.character.leg_scale, up.max(down));
+    parts.add(hole, "[[walk]] over a hole of a mesh");
+    parts.add(up > real::tan(STEEP), "[[walk]] up a mesh of more than 12 degrees");
+    parts.add(down > real::tan(MESH_DOWN), "[[walk]] down a mesh of more than 15 degrees");
+    parts.add(across > real::tan(ASIDE.0), "[[walk]] across a mesh of more than 8 degrees");
+    parts.add(bends > real::tan(BENDS), "[[walk]] over a mesh that bends by more than 10 degrees at once");
+    if steepest > real::tan(LEVEL) {
+        parts.add(walks(&aside), "[[walk]] backwards or sideways on a mesh that is not level");
+        parts.add(walks(&|walk| walk.speed > SLOWER[1]), "[[walk]] at more than 0.6 m/s on a mesh that is not level");
+    }
+    if step > 0.0 {
+        let turned = |walk: &Walk| walk.heading.abs().max(walk.facing.unwrap_or(walk.heading).abs()) > ASLANT;
+        let pace = size.sqrt();
+        let fast = |walk: &Walk| !(CLIMBS[0] * pace..=CLIMBS[1] * pace).contains(&walk.speed);
+        let near = apart.is_some_and(|apart| apart < APART * size);
+        parts.add(step > MESH_KERB, "[[walk]] over a step of a mesh of more than 0.08 m");
+        parts.add(near, "[[walk]] over steps of a mesh less than 0.9 m from one to the next");
+        parts.add(size < 1.0, "[[walk]] over a step of a mesh on shortened legs");
+        parts.add(walks(&fast), "[[walk]] over a step of a mesh at less than 0.3 or more than 0.4 m/s");
+        parts.add(
+            aslant || walks(&turned),
+            "[[walk]] over a step of a mesh that does not go straight ahead and over it",
+        );
+    }
 }
 
 /// Names every lane that is there.

@@ -64,6 +64,27 @@ pub fn depth(terrain: &Terrain, time: f64, point: DVec3) -> f64 {
     }
 }
 
+/// The ground as a foot that a contact holds meets it at one sample: the contact's plane; where ground has edges and creases that a sole
+/// may reach over, the ground itself.
+pub struct Held<'a> {
+    edged: Option<&'a Terrain>,
+    time: f64,
+    plane: HeldContact,
+}
+
+impl<'a> Held<'a> {
+    /// For a contact that is placed in the world.
+    pub fn new(track: &'a Track, plane: &HeldContact, sample: usize) -> Held<'a> {
+        let edged = track.terrain.as_ref().filter(|terrain| terrain.has_treads() || terrain.is_mesh());
+        Held { edged, time: track.motion.time(sample), plane: *plane }
+    }
+
+    /// m, how deep a point lies in it; negative above it.
+    pub fn depth(&self, point: DVec3) -> f64 {
+        self.edged.map_or(-self.plane.height(point), |terrain| depth(terrain, self.time, point))
+    }
+}
+
 /// The ground as a foot in the air meets it at one sample.
 pub struct Swung<'a> {
     terrain: Option<&'a Terrain>,
@@ -138,6 +159,50 @@ mod tests {
         let gaps = ground(GroundKind::Gaps { width: 0.2, spacing: 1.0 });
         assert!(depth(&gaps, 0.0, dvec3(0.0, -0.1, 1.1)) < 0.0, "a foot may hang into a gap");
         assert!((depth(&gaps, 0.0, dvec3(0.0, -0.1, 1.21)) - 0.01).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_foot_in_contact_is_in_the_ground_that_is_there_and_not_under_a_plane_past_its_edge() {
+        let body = fixture::body();
+        let poses = fixture::poses(&body, 2, |_, _| {});
+        let held = |terrain: &Terrain, point: DVec3, normal: DVec3, asked: DVec3| {
+            let track = Track::over(fixture::motion(&body, &poses), terrain).expect("sound");
+            let contact = HeldContact { point, normal, ..fixture::flat(Side::Left, 0.0, 1.0) };
+            Held::new(&track, &contact, 0).depth(asked)
+        };
+        let at = |y: f64, z: f64| dvec3(0.0, y, z);
+        let down = ground(GroundKind::Stairs { rise: -0.17, tread: 0.3, count: 3 });
+        let upper = |asked| held(&down, at(0.0, 0.9), DVec3::Y, asked);
+        assert!(upper(at(-0.05, 1.02)) < 0.0, "toes past the nosing are in the air");
+        assert!((upper(at(-0.012, 0.95)) - 0.012).abs() < 1e-12, "before it they are in the tread");
+        let up = ground(GroundKind::Stairs { rise: 0.17, tread: 0.3, count: 3 });
+        assert!(
+            (held(&up, at(0.0, 0.9), DVec3::Y, at(0.05, 1.01)) - 0.01).abs() < 1e-12,
+            "over its plane, in the riser"
+        );
+        // A ramp up that ends at z = 0.1: the sole lies along the ramp or along the floor.
+        let corner = |x: f64, y: f64, z: f64| dvec3(x, y, z);
+        let strip = |[near, far]: [f64; 2], low: f64| {
+            let [a, b] = [corner(-1.0, low, near), corner(1.0, low, near)];
+            let [c, d] = [corner(-1.0, 0.0, far), corner(1.0, 0.0, far)];
+            [[a, c, d], [a, d, b]]
+        };
+        let triangles = [strip([-2.0, 0.1], -0.21), strip([0.1, 2.0], 0.0)].concat();
+        let mut crest = Ground {
+            kind: GroundKind::Mesh { file: String::new(), ceiling: 10.0, surface: None },
+            ..Ground::default()
+        };
+        crest.lay(&std::sync::Arc::new(crate::model::Surface::new(triangles)));
+        let crest = Terrain::new(&crest);
+        assert!(
+            held(&crest, at(0.0, 0.12), DVec3::Y, at(-0.005, 0.0)) < 0.0,
+            "a heel over the ramp, under the floor's plane"
+        );
+        let along = dvec3(0.0, 1.0, -0.1).normalize();
+        let deep = held(&crest, at(0.0, 0.1), along, at(-0.01, 0.2));
+        assert!((deep - 0.01).abs() < 1e-12, "{deep}: under the floor");
+        let ridge = held(&crest, at(-0.02, 0.1), DVec3::Y, at(-0.015, 0.12));
+        assert!((ridge - 0.015).abs() < 1e-12, "{ridge}: over its plane, and the ground is higher still");
     }
 
     #[test]

@@ -21,6 +21,8 @@ pub struct Lie {
     pub normal: DVec3,
     /// 0..1, how much of it the ground carries; the rest is over an edge or a hole.
     pub held: f64,
+    /// m, how far below it the ground is at the most.
+    pub hangs: f64,
 }
 
 impl Terrain {
@@ -33,25 +35,40 @@ impl Terrain {
                 spot.holds.then(|| DVec3::new(offset.x, spot.height, offset.y))
             })
             .collect();
-        let top = points.iter().copied().reduce(|top, point| if point.y > top.y { point } else { top })?;
-        let plane = plane_of(&points).filter(|plane| points.iter().all(|point| off(*plane, *point).abs() < BENDS));
-        let plane = plane.unwrap_or_else(|| {
-            let normal = self.spot(at + DVec2::new(top.x, top.z)).normal;
-            let slope = DVec2::new(-normal.x, -normal.z) / normal.y.max(0.1);
-            let highest = [top.y - slope.x * top.x - slope.y * top.z, slope.x, slope.y];
-            let floor: Vec<DVec3> =
-                points.iter().copied().filter(|point| off(highest, *point).abs() < SAME_FLOOR).collect();
-            plane_of(&floor).unwrap_or(highest)
-        });
-        // The sole is stiff: nothing of the ground is in it.
-        let raised = points.iter().map(|point| off(plane, *point)).fold(f64::NEG_INFINITY, f64::max);
-        let carried = points.iter().filter(|point| raised - off(plane, **point) < CARRIED).count();
-        Some(Lie {
-            height: plane[0] + raised,
-            normal: DVec3::new(-plane[1], 1.0, -plane[2]).normalize(),
-            held: carried as f64 / sole.len().max(1) as f64,
-        })
+        laid(&points, sole.len(), |top| self.spot(at + top).normal)
     }
+
+    /// The same for a sole that is there already, its ground no higher than `ceiling` m: what rises beside it does not bear it.
+    pub fn lie_under(&self, at: DVec2, sole: &[DVec2], ceiling: f64) -> Option<Lie> {
+        let spot = |offset: DVec2| self.spot_under(DVec3::new(at.x + offset.x, ceiling, at.y + offset.y), 0.0);
+        let held = sole.iter().map(|offset| (offset, spot(*offset))).filter(|(_, spot)| spot.holds);
+        let points: Vec<DVec3> = held.map(|(offset, spot)| DVec3::new(offset.x, spot.height, offset.y)).collect();
+        laid(&points, sole.len(), |top| spot(top).normal)
+    }
+}
+
+/// A sole of `count` points over those of them that have ground, laid down on it; `normal`: of the ground, by how far from its place.
+fn laid(points: &[DVec3], count: usize, normal: impl Fn(DVec2) -> DVec3) -> Option<Lie> {
+    let top = points.iter().copied().reduce(|top, point| if point.y > top.y { point } else { top })?;
+    let plane = plane_of(points).filter(|plane| points.iter().all(|point| off(*plane, *point).abs() < BENDS));
+    let plane = plane.unwrap_or_else(|| {
+        let normal = normal(DVec2::new(top.x, top.z));
+        let slope = DVec2::new(-normal.x, -normal.z) / normal.y.max(0.1);
+        let highest = [top.y - slope.x * top.x - slope.y * top.z, slope.x, slope.y];
+        let floor: Vec<DVec3> =
+            points.iter().copied().filter(|point| off(highest, *point).abs() < SAME_FLOOR).collect();
+        plane_of(&floor).unwrap_or(highest)
+    });
+    // The sole is stiff: nothing of the ground is in it.
+    let raised = points.iter().map(|point| off(plane, *point)).fold(f64::NEG_INFINITY, f64::max);
+    let hangs = points.iter().map(|point| raised - off(plane, *point)).fold(0.0, f64::max);
+    let carried = points.iter().filter(|point| raised - off(plane, **point) < CARRIED).count();
+    Some(Lie {
+        height: plane[0] + raised,
+        normal: DVec3::new(-plane[1], 1.0, -plane[2]).normalize(),
+        held: carried as f64 / count.max(1) as f64,
+        hangs: if points.len() < count { f64::INFINITY } else { hangs },
+    })
 }
 
 /// m, how far a point of the ground is over the plane y = a + b x + c z.

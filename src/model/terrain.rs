@@ -20,6 +20,14 @@ pub const PLATFORM_SIDE: f64 = 3.0;
 const WAVES: usize = 6;
 /// Upward part of the unit normal of a floor that counts as level: within 0.1 degrees.
 const LEVEL: f64 = 1.0 - 1.5e-6;
+/// m, how far on a mesh edges are looked for.
+const SEEN: f64 = 0.9;
+/// m, ground that leaves its own plane by so much within [`STRIDE`] is an edge: a sole that is over the lower side is not borne there.
+pub const RISER: f64 = 0.02;
+/// m, between the places asked along a way; and how often that is halved to find an edge: to 0.1 mm.
+const STRIDE: f64 = 0.03;
+/// As [`STRIDE`] says.
+const HALVINGS: u32 = 8;
 /// m, height of a place where a mesh has nothing: below all that a foot could reach.
 const NOTHING: f64 = -10.0;
 
@@ -129,6 +137,52 @@ impl Terrain {
             }
             _ => None,
         }
+    }
+
+    /// Has it, or may it have, edges at which the ground ends or goes on higher or lower?
+    pub fn has_edges(&self) -> bool {
+        self.has_gaps() || self.has_treads() || self.is_mesh()
+    }
+
+    /// Is it a mesh?
+    pub fn is_mesh(&self) -> bool {
+        matches!(self.kind, GroundKind::Mesh { .. })
+    }
+
+    /// m, as [`Self::floor`], on the line along z through a place; on a mesh from edge to edge, infinite where there is none within
+    /// [`SEEN`].
+    pub fn floor_at(&self, at: DVec2) -> Option<[f64; 2]> {
+        let GroundKind::Mesh { .. } = self.kind else { return self.floor(at.y) };
+        let far = |way: DVec2| self.edge(at, way, SEEN).unwrap_or(f64::INFINITY);
+        Some([at.y - far(DVec2::NEG_Y), at.y + far(DVec2::Y)])
+    }
+
+    /// m, how far from a place, that way, the first edge is within `reach` m: where the ground ends, or leaves its own plane by
+    /// [`RISER`] or more within [`STRIDE`].
+    pub fn edge(&self, at: DVec2, way: DVec2, reach: f64) -> Option<f64> {
+        let spot = |far: f64| self.spot(at + way * far);
+        let mut here = spot(0.0);
+        for step in 1..=(reach / STRIDE).ceil() as usize {
+            let far = STRIDE * step as f64;
+            let next = spot(far);
+            if !next.holds && !here.holds {
+                continue;
+            }
+            let grade = |spot: &Spot| -(spot.normal.x * way.x + spot.normal.z * way.y) / spot.normal.y.max(0.1);
+            let rise = next.height - here.height - 0.5 * STRIDE * (grade(&here) + grade(&next));
+            if next.holds != here.holds || rise.abs() > RISER {
+                let above = 0.5 * (here.height + next.height);
+                let (mut near, mut beyond) = (far - STRIDE, far);
+                for _ in 0..HALVINGS {
+                    let middle = 0.5 * (near + beyond);
+                    let same = (spot(middle).height > above) == (here.height > above);
+                    *(if same { &mut near } else { &mut beyond }) = middle;
+                }
+                return Some(0.5 * (near + beyond));
+            }
+            here = next;
+        }
+        None
     }
 
     /// Is it the plane y = 0 for good?

@@ -21,7 +21,7 @@ use crate::maths::hull::{closest_point, signed_distance};
 use crate::maths::pendulum::GRAVITY;
 use crate::maths::quat::yaw_of;
 use crate::maths::real;
-use crate::model::{Side, Terrain};
+use crate::model::{Side, Spot, Terrain};
 use glam::{DQuat, DVec2, DVec3};
 
 pub use super::world::MOST_TORQUE;
@@ -269,9 +269,9 @@ impl Controller {
         let loads = Side::BOTH.map(|side| world.pressed(figure.legs[side as usize][2]));
         self.observe(dt);
         self.strain(world);
-        self.slants = Side::BOTH.map(|side| slant(figure, terrain, flat(self.foot(figure, side).0)));
+        self.slants = Side::BOTH.map(|side| slant(figure, &self.stood_on(figure, terrain, side)));
         self.soles = Side::BOTH.map(|side| self.sole(figure, terrain, side));
-        self.treads = terrain.has_treads();
+        self.treads = terrain.has_treads() || terrain.is_mesh();
         let floor = self.floor(figure, terrain);
         let height = (self.motion.com.y - floor).max(0.3 * self.stand_height);
         let rate = (GRAVITY / height).sqrt();
@@ -298,8 +298,7 @@ impl Controller {
         let mut sum = (0.0, 0.0);
         for side in Side::BOTH {
             if self.swing.is_none_or(|swing| swing.side != side) {
-                let (ankle, yaw) = self.foot(figure, side);
-                sum.0 += self.under_sole(terrain, side, flat(ankle), yaw);
+                sum.0 += self.stood_on(figure, terrain, side).height;
                 sum.1 += 1.0;
             }
         }
@@ -452,6 +451,6 @@ impl Controller {
 }
 
 /// m, by how much an ankle is beside its foot's ground point where the ground leans, (x, z).
-pub(super) fn slant(figure: &Figure, terrain: &Terrain, at: DVec2) -> DVec2 {
-    flat(terrain.spot(at).normal) * figure.ankle_height
+pub(super) fn slant(figure: &Figure, ground: &Spot) -> DVec2 {
+    flat(ground.normal) * figure.ankle_height
 }

@@ -3,6 +3,7 @@
 use super::control::{Controller, Swing};
 use super::figure::Figure;
 use super::flat;
+use super::lying::RISES;
 use super::sole::{BALL, POINTS, TIP};
 use crate::maths::curve::smooth3;
 use crate::model::{Side, Terrain};
@@ -52,23 +53,24 @@ impl Controller {
     /// m, the points of a sole in its foot's frame: those over a lower tread are drawn in to the edge, as far as the ball.
     pub(super) fn drawn_in(&self, figure: &Figure, terrain: &Terrain, side: Side) -> [DVec3; POINTS] {
         let mut points = figure.soles[side as usize];
-        if !terrain.has_treads() {
+        if !self.treads {
             return points;
         }
-        let (ankle, yaw) = self.foot(figure, side);
-        let under = self.under_sole(terrain, side, flat(ankle), yaw) - LOWER * self.size;
-        let height = |index: usize, point: DVec3| {
-            terrain.spot(flat(figure.carried(&self.motion.states, side, index, point))).height
+        let plane = self.plane_under(figure, terrain, side);
+        // m, over which of the ground's heights under a point the sole's own ground lies by as much as bears it
+        let over = |index: usize, point: DVec3| {
+            let at = figure.carried(&self.motion.states, side, index, point);
+            terrain.spot_under(at, RISES * self.size).height - plane(flat(at)) + LOWER * self.size
         };
         for index in (0..BALL).chain(TIP..POINTS) {
             let (out, ball) = (points[index], points[BALL + index % 2]);
-            if height(index, out) >= under {
+            if over(index, out) >= 0.0 {
                 continue;
             }
             let (mut inside, mut outside) = (1.0, 0.0);
             for _ in 0..HALVES {
                 let middle = 0.5 * (inside + outside);
-                *(if height(index, out.lerp(ball, middle)) >= under { &mut inside } else { &mut outside }) = middle;
+                *(if over(index, out.lerp(ball, middle)) >= 0.0 { &mut inside } else { &mut outside }) = middle;
             }
             points[index] = out.lerp(ball, inside);
         }
@@ -85,9 +87,21 @@ impl Controller {
     }
 
     /// m, the height of the ground under a foot: on treads, under its sole's middle.
-    pub(super) fn under_sole(&self, terrain: &Terrain, side: Side, ankle: DVec2, yaw: f64) -> f64 {
-        let at = if terrain.has_treads() { ankle + self.ahead(side, yaw) } else { ankle };
-        terrain.spot(at).height
+    pub(super) fn under_sole(&self, figure: &Figure, terrain: &Terrain, side: Side, ankle: DVec2, yaw: f64) -> f64 {
+        if terrain.has_treads() {
+            return terrain.spot(ankle + self.ahead(side, yaw)).height;
+        }
+        self.lies(figure, terrain, side, ankle, yaw).height
+    }
+
+    /// Does a swing go over an edge of the ground, or may it?
+    pub(super) fn steps_over(&self, terrain: &Terrain, swing: &Swing) -> bool {
+        if !terrain.is_mesh() {
+            return terrain.has_treads();
+        }
+        let from = flat(swing.from) + self.ahead(swing.side, swing.yaw);
+        let (way, far) = ((swing.target - from).normalize_or_zero(), swing.target.distance(from));
+        far > 0.0 && terrain.edge(from, way, far).is_some()
     }
 
     /// The way of a led foot that is to stand at another height (m) than it stood.
@@ -99,7 +113,7 @@ impl Controller {
         (stands, ground): (DVec2, f64),
     ) -> Option<Way> {
         let rises = ground - swing.from.y;
-        if !self.guided || !terrain.has_treads() || rises.abs() < LEVEL * self.size {
+        if !self.guided || rises.abs() < LEVEL * self.size || !self.steps_over(terrain, swing) {
             return None;
         }
         let over = highest(figure, terrain, swing, stands);

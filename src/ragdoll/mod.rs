@@ -12,6 +12,7 @@ mod help;
 mod joints;
 mod kerb;
 mod linear;
+mod lying;
 pub mod plan;
 mod ranges;
 mod reach;

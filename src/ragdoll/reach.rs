@@ -113,7 +113,7 @@ impl Controller {
     pub(super) fn sole(&self, figure: &Figure, terrain: &Terrain, side: Side) -> Sole {
         let [.., foot] = figure.legs[side as usize];
         let state = &self.states[foot];
-        let normal = terrain.spot(flat(state.origin)).normal;
+        let normal = self.stood_on(figure, terrain, side).normal;
         let level = DQuat::from_rotation_arc(state.turn * DVec3::Y, normal) * state.turn;
         // Feet that are long for their legs are stood on flat: the way over their tips is too far.
         let corners = self.drawn_in(figure, terrain, side);
@@ -135,10 +135,10 @@ impl Controller {
         let at: [DVec3; POINTS] =
             std::array::from_fn(|index| figure.carried(&self.states, side, index, corners[index]));
         // What is over a gap or a lower tread bears nothing.
-        let under = self.under_sole(terrain, side, flat(state.origin), yaw_of(state.turn)) - kerb::LOWER * self.size;
-        for (at, lifted) in at.iter().zip(&mut lifted).filter(|_| terrain.has_gaps() || terrain.has_treads()) {
+        let plane = self.plane_under(figure, terrain, side);
+        for (at, lifted) in at.iter().zip(&mut lifted).filter(|_| terrain.has_edges()) {
             let spot = terrain.spot(flat(*at));
-            if !spot.holds || spot.height < under {
+            if !spot.holds || spot.height < plane(flat(*at)) - kerb::LOWER * self.size {
                 *lifted = OVER;
             }
         }

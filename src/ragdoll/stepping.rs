@@ -192,9 +192,9 @@ impl Controller {
         } else {
             self.off_edges(figure, terrain, swing.side, stands, swing.yaw)
         };
-        let goal = stands + slant(figure, terrain, stands);
+        let goal = stands + slant(figure, &self.lies(figure, terrain, swing.side, stands, swing.yaw));
         // Off the ground before it travels.
-        let ground = self.under_sole(terrain, swing.side, stands, swing.yaw);
+        let ground = self.under_sole(figure, terrain, swing.side, stands, swing.yaw);
         let usual = if self.guided { self.travels() } else { [self.tuning.rise, ARRIVES] };
         let way = self.over_kerb(figure, terrain, &swing, (stands, ground));
         let [rise, arrives] = way.map_or(usual, |way| way.travels);

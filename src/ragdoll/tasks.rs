@@ -64,8 +64,8 @@ impl Controller {
                     let left = (swing.start + swing.time - self.time).max(0.0);
                     let goal = swing.target - self.ahead(side, swing.yaw);
                     let drift = flat(self.motion.velocity) * left;
-                    let lands = self.under_sole(terrain, side, goal, swing.yaw) + figure.ankle_height;
-                    let kerb = self.guided && self.treads;
+                    let lands = self.under_sole(figure, terrain, side, goal, swing.yaw) + figure.ankle_height;
+                    let kerb = self.guided && self.steps_over(terrain, &swing);
                     let y = if kerb { lands } else { self.states[ankle].origin.y.min(lands) };
                     let early = if kerb { kerb::REACHES } else { 0.05 };
                     (DVec3::new(goal.x - drift.x, y, goal.y - drift.y), arrives + early * left / swing.time)
@@ -94,7 +94,7 @@ impl Controller {
         let tuning = &self.tuning;
         match self.swing {
             Some(swing) if swing.side == side => {
-                let spot = terrain.spot(flat(swing.reference.at));
+                let spot = self.lies(figure, terrain, side, flat(swing.reference.at), swing.yaw);
                 let flat = DQuat::from_rotation_arc(DVec3::Y, spot.normal) * DQuat::from_rotation_y(swing.yaw);
                 let (level, spin, _) = self.heeds(figure, side, flat, tuning.margin[1] - leaning(terrain));
                 let goal = self.swing_goal(figure, &swing, [flat, level], spot.normal);
@@ -119,7 +119,7 @@ impl Controller {
                 }
             }
             _ => {
-                let spot = terrain.spot(flat(state.origin));
+                let spot = self.stood_on(figure, terrain, side);
                 let sole = &self.soles[side as usize];
                 let tilt = short(sole.wanted * state.turn.inverse());
                 let tilt = tilt - spot.normal * tilt.dot(spot.normal);

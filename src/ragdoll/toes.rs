@@ -192,6 +192,17 @@ impl Figure {
         }
     }
 
+    /// The left and the right side of that part, m, each from its rear to its front, in that link's frame.
+    pub(super) fn sole_sides(&self, side: Side, link: usize) -> [[DVec3; 2]; 2] {
+        let sole = &self.soles[side as usize];
+        let (ends, anchor) = match self.fore(side) {
+            Some((toes, anchor)) if toes == link => ([BALL, TIP], anchor),
+            Some(_) => ([0, BALL], DVec3::ZERO),
+            None => ([0, TIP], DVec3::ZERO),
+        };
+        [0, 1].map(|line| ends.map(|end| sole[end + line] - anchor))
+    }
+
     /// N m/rad and N m s/rad that a toe joint gives of itself.
     pub(super) fn toe_spring(&self) -> [f64; 2] {
         let size = self.leg_length / 0.83;

@@ -1,6 +1,6 @@
 //! What the links' boxes may touch: the ground, by their corners where it is a smooth surface and by whole boxes where it has edges
-//! (stairs, gaps), and balls. A mesh is met by corners: its floors from above, its walls from the side of the box's middle; its edges and
-//! points between corners are not felt. Scenario space, SI.
+//! (stairs, gaps), and balls. A mesh is met by corners: its floors from above, its walls from the side of the box's middle; of what rises
+//! between corners only soles feel something. Scenario space, SI.
 
 use super::bulk::above_legs;
 use super::figure::Figure;
@@ -19,8 +19,13 @@ const NEAR: f64 = 0.08;
 const FROM_ELSEWHERE: f64 = -0.3;
 /// m, what is deeper under a face of a mesh is beside it: farther than anything sinks in a part of a tick, lower than a kerb.
 const SUNK: f64 = 0.08;
-/// Names of contacts: eight corners a link, then points of boxes against boxes, then balls.
+/// m: ground that is so much nearer to a sole than to its corners rises between them.
+const RIDGE: f64 = 1e-3;
+/// Shares of the way from a sole's rear corner to its front one at which that is asked: 4 cm apart along one of 0.27 m.
+const BETWEEN: [f64; 3] = [0.25, 0.5, 0.75];
+/// Names of contacts: eight corners a link, then points of boxes against boxes, then those between a sole's corners, then balls.
 const BOXES: u32 = 1 << 10;
+const RIDGES: u32 = 1 << 18;
 const BALLS: u32 = 1 << 20;
 
 /// A link's box.
@@ -36,6 +41,8 @@ pub(super) struct Hull {
     corners: [DVec3; 8],
     /// m, of the farthest corner from the link's origin.
     radius: f64,
+    /// m: along both sides of the part of a sole that it bears on, in the link's frame, from the rear to the front; of a foot.
+    sides: Option<[[DVec3; 2]; 2]>,
 }
 
 /// A ball, as the links see it.
@@ -99,6 +106,9 @@ impl Surroundings {
                         touches.push(ground(link, key, at, (spot.normal, gap), friction, spin.cross(at)));
                     }
                 }
+                if mesh {
+                    self.find_ridges((link, hull), (origin, turn), terrain, touches);
+                }
             }
         }
         if let Some((number, size, hand)) = self.carried {
@@ -124,6 +134,32 @@ impl Surroundings {
         if (-hull.radius..NEAR).contains(&gap) {
             let key = BOXES + 8 * link as u32 + corner as u32;
             touches.push(ground(link, key, at, (normal, gap), terrain.friction.max(0.0), DVec3::ZERO));
+        }
+    }
+
+    /// A sole over a mesh that rises between its corners, as where a ramp ends: it rocks there.
+    fn find_ridges(
+        &self,
+        (link, hull): (usize, &Hull),
+        (origin, turn): (DVec3, DQuat),
+        terrain: &Terrain,
+        touches: &mut Vec<Touch>,
+    ) {
+        let gap = |local: DVec3| {
+            let at = origin + turn * local;
+            let spot = terrain.spot_under(at, SUNK);
+            (at, spot.normal, (at.y - spot.height) * spot.normal.y)
+        };
+        for (line, [rear, front]) in hull.sides.iter().flatten().enumerate() {
+            let [(.., behind), (.., ahead)] = [gap(*rear), gap(*front)];
+            for (number, share) in BETWEEN.into_iter().enumerate() {
+                let (at, normal, gap) = gap(rear.lerp(*front, share));
+                let rises = gap < behind + (ahead - behind) * share - RIDGE;
+                if rises && (FROM_ELSEWHERE..NEAR).contains(&gap) {
+                    let key = RIDGES + 8 * link as u32 + (BETWEEN.len() * line + number) as u32;
+                    touches.push(ground(link, key, at, (normal, gap), terrain.friction.max(0.0), DVec3::ZERO));
+                }
+            }
         }
     }
 
@@ -234,7 +270,7 @@ impl Hull {
     fn new(half: DVec3, middle: DVec3, turn: DQuat) -> Hull {
         let corners = std::array::from_fn(|corner| middle + turn * (half * signs(corner as u32)));
         let radius = corners.iter().map(|corner| corner.length()).fold(0.0, f64::max);
-        Hull { half, middle, turn, corners, radius }
+        Hull { half, middle, turn, corners, radius, sides: None }
     }
 
     /// A foot bears on its sole's outline, toes on that of ball and tip; above they keep their box.
@@ -245,6 +281,7 @@ impl Hull {
         };
         let above = [2, 3, 6, 7].map(|corner| self.corners[corner]);
         let low = figure.sole_of(side, link);
+        self.sides = Some(figure.sole_sides(side, link));
         for (index, corner) in self.corners.iter_mut().enumerate() {
             *corner = low.get(index).copied().unwrap_or(above[index % 4]);
         }

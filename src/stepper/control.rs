@@ -24,6 +24,7 @@ pub fn tick(
     perceive(params, physique, state, inputs, dt);
     state.gait.grip = grip::longest(params, physique, state);
     walk::steer(params, physique, terrain, state, inputs, dt);
+    let inputs = &walk::halted(state, inputs);
     rise::foresee(params, physique, terrain, state);
     if state.swing.is_none() {
         let (mut busy, mut lifted) = (false, None);

@@ -91,6 +91,7 @@ pub fn follow(
     let inputs = &climb::ended(params, physique, terrain, state, inputs);
     state.gait.grip = grip::longest(params, physique, state);
     walk::steer(params, physique, terrain, state, inputs, dt);
+    let inputs = &walk::halted(state, inputs);
     rise::foresee(params, physique, terrain, state);
     rise::follow(params, physique, terrain, state, dt);
     if state.swing.is_none() {

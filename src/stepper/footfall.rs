@@ -55,7 +55,7 @@ pub fn plan(
 
 /// Are steps timed so that they land off the edges of the ground?
 pub fn fits(params: &Params, terrain: &Terrain, state: &State) -> bool {
-    params.fits && !state.gait.spot && (terrain.has_gaps() || kerb::near(params, terrain, state))
+    params.fits && !state.gait.spot && (terrain.has_gaps() || state.gait.broken || kerb::near(params, terrain, state))
 }
 
 /// m of the reference body: a landing over a gap, and one before it, are that far apart at least; which it is is chosen before the foot leaves.
@@ -96,14 +96,15 @@ fn fitted(
     let gone = swing.map_or(0.0, |swing| state.time - swing.lift);
     let usual = wait + (rhythm.step - rhythm.double - gone).max(0.0);
     let natural = ground(landing(params, physique, state, &rhythm, side, (wait, time)).plant.ankle).y;
-    let edge = terrain.has_treads().then(|| kerb::ahead(params, physique, terrain, state, (&rhythm, side), natural));
+    let kerb = terrain.has_treads() || kerb::near(params, terrain, state);
+    let edge = kerb.then(|| kerb::ahead(params, physique, terrain, state, (&rhythm, side), natural));
     let chosen = edge.flatten();
     let [untimely, waits] = if chosen.is_some() { [PATIENT, 0.0] } else { [UNTIMELY, WAITS] };
     let held = |times: (f64, f64)| {
         let found = landing(params, physique, state, &rhythm, side, times);
         let ankle = ground(found.plant.ankle);
         let lands = state.time + times.0 + times.1;
-        let there = footing::set_down_by(terrain, physique, &by, ankle, (found.plant.yaw, lands));
+        let there = footing::rocked(terrain, physique, &by, ankle, (found.plant.yaw, lands));
         let elsewhere = |swing: &Swing| ground(swing.to.ankle).distance(ground(there.ankle)) > ELSEWHERE * params.size;
         let plant = match chosen {
             Some(z) => kerb::stood(terrain, physique, DVec2::new(ankle.x, z), found.plant.yaw),

@@ -51,6 +51,14 @@ pub fn set_down_by(terrain: &Terrain, physique: &Physique, by: &Plant, ankle: DV
     }
 }
 
+/// The same by a body of links.
+pub fn rocked(terrain: &Terrain, physique: &Physique, by: &Plant, ankle: DVec2, (yaw, time): (f64, f64)) -> Plant {
+    match terrain.kind {
+        GroundKind::Mesh { .. } => mesh::set_down_by(terrain, physique, by, ankle, yaw),
+        _ => set_down(terrain, physique, ankle, yaw, time),
+    }
+}
+
 /// The same for a step of the gait: near a kerb, where the step that leads over it needs it.
 pub fn stepped(
     params: &Params,
@@ -63,7 +71,8 @@ pub fn stepped(
     if params.fits && kerb::near(params, terrain, state) {
         return kerb::stood(terrain, physique, ankle, yaw);
     }
-    set_down_by(terrain, physique, by, ankle, (yaw, time))
+    let set_down = if params.fits { rocked } else { set_down_by };
+    set_down(terrain, physique, by, ankle, (yaw, time))
 }
 
 /// The ground under the ankle of a foot that is or was somewhere: where it stands if it stands there, rad and s its yaw and the time.

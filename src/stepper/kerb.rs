@@ -3,7 +3,7 @@
 
 use super::gait::Rhythm;
 use super::walk::Phase;
-use super::{Params, Physique, Plant, State, pace, support};
+use super::{Params, Physique, Plant, State, mesh, pace, support};
 use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
 
@@ -23,6 +23,8 @@ const AT: f64 = 1.5;
 const EDGE: f64 = 0.01;
 const TOES: f64 = 0.03;
 const ROOM: f64 = 0.02;
+/// Cosine of what a way may be aside of z, on a mesh: 18 degrees.
+const STRAIGHT: f64 = 0.95;
 /// m of the reference body: feet no farther apart stand beside each other.
 const BESIDE: f64 = 0.1;
 /// Share of the way over an edge that a step of the walk must have without being asked for, to go over from feet that are not.
@@ -33,12 +35,30 @@ const MORE: f64 = 0.85;
 
 /// Does the foot that stands lie so near to an edge that the next foothold is chosen for it?
 pub fn near(params: &Params, terrain: &Terrain, state: &State) -> bool {
-    if !terrain.has_treads() || state.gait.last || matches!(state.gait.phase, Phase::Start | Phase::Rest) {
+    if !terrain.has_treads() && !terrain.is_mesh()
+        || state.gait.last
+        || matches!(state.gait.phase, Phase::Start | Phase::Rest)
+    {
         return false;
     }
     let stance = &state.feet[state.gait.side.other() as usize];
     let middle = stance.ankle.z + params.com_forward;
-    terrain.floor(middle).is_some_and(|[_, edge]| edge.is_finite() && edge - stance.ankle.z < NEAR * STRIDE)
+    let at = DVec2::new(stance.ankle.x, middle);
+    terrain.floor_at(at).is_some_and(|[_, edge]| {
+        let near = edge.is_finite() && edge - stance.ankle.z < NEAR * STRIDE;
+        near && (!terrain.is_mesh() || straight(state) && terrain.spot(DVec2::new(at.x, edge + EDGE)).holds)
+    })
+}
+
+/// Does it go straight along z?
+fn straight(state: &State) -> bool {
+    let way = state.gait.velocity.normalize_or_zero();
+    way.y > STRAIGHT && state.ahead.y > STRAIGHT
+}
+
+/// Is it on stairs, or on a mesh near a step of the ground?
+pub fn by(params: &Params, terrain: &Terrain, state: &State) -> bool {
+    terrain.has_treads() || terrain.is_mesh() && state.gait.longest.is_finite() && near(params, terrain, state)
 }
 
 /// m, z of the next foothold near an edge, where the walk by itself would set the foot at `natural`; `None` where that is as good.
@@ -52,13 +72,14 @@ pub fn ahead(
 ) -> Option<f64> {
     let stance = &state.feet[side.other() as usize];
     let (rear, front) = (physique.heel - EDGE, physique.tip + EDGE);
-    let [from, edge] = terrain.floor(stance.ankle.z + 0.5 * (rear + front))?;
+    let line = |z: f64| DVec2::new(stance.ankle.x, z);
+    let [from, edge] = terrain.floor_at(line(stance.ankle.z + 0.5 * (rear + front)))?;
     let usual = (pace::aimed(state) * rhythm.step).y;
     if usual < 0.05 * params.size || !edge.is_finite() {
         return None;
     }
-    let [next, end] = terrain.floor(edge + EDGE)?;
-    let up = terrain.spot(DVec2::new(0.0, next + EDGE)).height > stance.ankle.y;
+    let [next, end] = terrain.floor_at(line(edge + EDGE))?;
+    let up = terrain.spot(line(next + EDGE)).height > stance.ankle.y;
     let keeps = if up { TOES * params.size } else { 0.0 };
     let (low, high) = (next - rear, end - front - keeps);
     let over = if high < low && up { high } else { low + (0.5 * (high - low)).clamp(0.0, ROOM * params.size) };
@@ -78,6 +99,9 @@ pub fn ahead(
 
 /// A foot at that place, on the tread that is under its middle.
 pub fn stood(terrain: &Terrain, physique: &Physique, ankle: DVec2, yaw: f64) -> Plant {
+    if terrain.is_mesh() {
+        return mesh::stood(terrain, physique, ankle, yaw);
+    }
     let middle = ankle + support::forward(yaw) * (0.5 * (physique.heel + physique.tip));
     Plant::level(DVec3::new(ankle.x, terrain.spot(middle).height, ankle.y), yaw)
 }

@@ -31,6 +31,10 @@ const STRIDE: f64 = 0.03;
 /// m of the reference body: a stair is seen so far ahead and behind, as stairs by name are, and two risers farther apart are none.
 const SEEN: [f64; 2] = [1.4, 0.4];
 const NEIGHBOURS: f64 = 0.9;
+/// Part of the leg: so far before and behind a foothold the ground counts for it.
+const BESIDE: f64 = 0.12;
+/// m: ground that is no farther below a sole bears it as it rocks: where a ramp of 12 degrees begins or ends under its middle.
+const ROCKS: f64 = 0.03;
 /// m of the reference body: so much free way is looked for, so much is kept before what is in it, and a gap so wide is stepped over.
 const LOOK: f64 = 2.4;
 const KEPT: f64 = 0.50;
@@ -63,7 +67,8 @@ impl Sole {
 /// How a foot lies somewhere, and how well.
 struct Place {
     plant: Plant,
-    held: f64, // 0..1
+    held: f64,  // 0..1
+    hangs: f64, // m, how far below the sole the ground is at the most
     /// No wall in it, none between it and the other foot, not too steep, not too high.
     free: bool,
 }
@@ -94,17 +99,37 @@ fn place(
         let from = DVec3::new(other.ankle.x, height, other.ankle.z);
         rise(other) && terrain.wall(from, DVec3::new(at.x, height, at.y)).is_none()
     });
-    Some(Place { plant, held: lie.held, free: holds && clear && reached })
+    Some(Place { plant, held: lie.held, hangs: lie.hangs, free: holds && clear && reached })
 }
 
 /// The foot set down as near to that place as the whole sole is held; where it is nowhere near, where most of it is. `by`: the other
 /// foot, from which it is stepped.
 pub fn set_down(terrain: &Terrain, physique: &Physique, by: Option<&Plant>, ankle: DVec2, yaw: f64) -> Plant {
+    set(terrain, physique, by, (ankle, yaw), |found| found.held >= 1.0)
+}
+
+/// The same by a body of links, whose feet rock over where ramps begin and end.
+pub fn set_down_by(terrain: &Terrain, physique: &Physique, by: &Plant, ankle: DVec2, yaw: f64) -> Plant {
+    set(terrain, physique, Some(by), (ankle, yaw), rocks)
+}
+
+/// Does a sole lie there, or rock on its middle or between its ends?
+fn rocks(place: &Place) -> bool {
+    place.held >= 1.0 || place.hangs < ROCKS
+}
+
+fn set(
+    terrain: &Terrain,
+    physique: &Physique,
+    by: Option<&Plant>,
+    (ankle, yaw): (DVec2, f64),
+    lies: fn(&Place) -> bool,
+) -> Plant {
     let mut best = None;
     // On a stair as deep as the sole is long there is no room for edges.
     for edge in [EDGE, 0.0] {
         let sole = Sole::new(physique, yaw, edge);
-        match search(physique, ankle, &|at: DVec2| place(terrain, physique, by, &sole, at, yaw)) {
+        match search(physique, ankle, &|at: DVec2| place(terrain, physique, by, &sole, at, yaw), lies) {
             Ok(found) => return found.plant,
             Err(found) => best = found,
         }
@@ -113,8 +138,13 @@ pub fn set_down(terrain: &Terrain, physique: &Physique, by: Option<&Plant>, ankl
 }
 
 /// The nearest place that holds a whole sole; else what comes nearest to that.
-fn search(physique: &Physique, ankle: DVec2, look: &dyn Fn(DVec2) -> Option<Place>) -> Result<Place, Option<Place>> {
-    let good = |found: &Place| found.free && found.held >= 1.0;
+fn search(
+    physique: &Physique,
+    ankle: DVec2,
+    look: &dyn Fn(DVec2) -> Option<Place>,
+    lies: fn(&Place) -> bool,
+) -> Result<Place, Option<Place>> {
+    let good = |found: &Place| found.free && lies(found);
     let mut best = look(ankle);
     if let Some(found) = best.take_if(|found| good(found)) {
         return Ok(found);
@@ -131,7 +161,13 @@ fn search(physique: &Physique, ankle: DVec2, look: &dyn Fn(DVec2) -> Option<Plac
             let way = DVec2::new(sine, cosine);
             let Some(found) = look(ankle + way * (ring * number as f64)) else { continue };
             if good(&found) {
-                return Ok(nearer(look, ankle, way, [ring * (number - 1) as f64, ring * number as f64], found));
+                return Ok(nearer(
+                    &|at: DVec2| look(at).filter(good),
+                    ankle,
+                    way,
+                    [ring * (number - 1) as f64, ring * number as f64],
+                    found,
+                ));
             }
             if best.as_ref().is_none_or(|best| worth(&found) > worth(best) + 1e-9) {
                 best = Some(found);
@@ -141,7 +177,7 @@ fn search(physique: &Physique, ankle: DVec2, look: &dyn Fn(DVec2) -> Option<Plac
     Err(best)
 }
 
-/// The nearest good place between two distances along a way, of which the farther one is good.
+/// The nearest good place between two distances along a way, of which the farther one is good; `look` gives good places only.
 fn nearer(
     look: &dyn Fn(DVec2) -> Option<Place>,
     from: DVec2,
@@ -151,7 +187,7 @@ fn nearer(
 ) -> Place {
     for _ in 0..HALVINGS {
         let middle = 0.5 * (near + far);
-        match look(from + way * middle).filter(|found| found.free && found.held >= 1.0) {
+        match look(from + way * middle) {
             Some(better) => (far, found) = (middle, better),
             None => near = middle,
         }
@@ -191,6 +227,29 @@ pub fn longest(terrain: &Terrain, size: f64, place: DVec2, way: DVec2) -> f64 {
         }
     }
     least
+}
+
+/// m: finite where a body at `place` that faces that way is near an edge; its steps are short there.
+pub fn beside_edge(terrain: &Terrain, size: f64, place: DVec2, way: DVec2) -> f64 {
+    let [ahead, behind] = SEEN.map(|seen| seen * size);
+    let near = terrain.edge(place, way, ahead).or_else(|| terrain.edge(place, -way, behind));
+    near.map_or(f64::INFINITY, |_| 0.0)
+}
+
+/// Is the ground around a foothold such that a sole does not lie on it everywhere?
+pub fn broken(terrain: &Terrain, physique: &Physique, by: &Plant, ankle: DVec2, yaw: f64) -> bool {
+    let sole = Sole::new(physique, yaw, EDGE);
+    let ahead = support::forward(yaw) * (BESIDE * physique.leg_length);
+    [-1.0, 0.0, 1.0].into_iter().any(|share| {
+        let there = place(terrain, physique, Some(by), &sole, ankle + ahead * share, yaw);
+        there.is_none_or(|there| !there.free || !rocks(&there))
+    })
+}
+
+/// A foot at exactly that place.
+pub fn stood(terrain: &Terrain, physique: &Physique, ankle: DVec2, yaw: f64) -> Plant {
+    let sole = Sole::new(physique, yaw, 0.0);
+    place(terrain, physique, None, &sole, ankle, yaw).map_or_else(|| nowhere(None, ankle, yaw), |there| there.plant)
 }
 
 /// m along a way, where between two places the ground goes past a height.

@@ -7,7 +7,7 @@
 //! Downhill it is the other way round: the stance leg gives until the full leg of the swinging foot reaches its foothold.
 
 use super::walk::{self, Phase};
-use super::{Params, Physique, Plant, State, StepKind, footing, ground, swing};
+use super::{Params, Physique, Plant, State, StepKind, footing, ground, kerb, mesh, swing};
 use crate::maths::curve::smooth3;
 use crate::maths::pendulum::GRAVITY;
 use crate::model::{Side, Terrain};
@@ -111,6 +111,8 @@ pub fn foresee(params: &Params, physique: &Physique, terrain: &Terrain, state: &
     let place = ground(stance.ankle) + stride + state.aside() * (state.gait.side.sign() * rhythm.width);
     let next = footing::set_down(terrain, physique, place, state.facing, state.time + rhythm.step);
     state.gait.rise = next.ankle.y - stance.ankle.y;
+    state.gait.broken =
+        params.fits && terrain.is_mesh() && mesh::broken(terrain, physique, &stance, place, state.facing);
     if state.time - state.gait.since < 1.5 * state.gait.tick || state.gait.phase == Phase::Start {
         let far = stride.length();
         state.gait.grade = if far > 0.1 * params.size { state.gait.rise / far } else { 0.0 };
@@ -136,7 +138,7 @@ pub fn follow(params: &Params, physique: &Physique, terrain: &Terrain, state: &m
             let lands = state.swing.map_or(step - state.settled, |swing| swing.land - state.time);
             (stance + state.gait.rise, lands)
         } else {
-            let soft = if params.fits && terrain.has_treads() { SOFT[0] * params.tempo } else { 0.0 };
+            let soft = if params.fits && kerb::by(params, terrain, state) { SOFT[0] * params.tempo } else { 0.0 };
             (stance, soft.max(STRETCHES * step) - state.settled)
         }
     } else {
@@ -152,7 +154,7 @@ pub fn follow(params: &Params, physique: &Physique, terrain: &Terrain, state: &m
     let line = under(state, ground(state.com)) - 0.5 * state.gait.rise.abs();
     let height = if share < 1.0 { full[0] * share + line * (1.0 - share) } else { full[0] };
     // footholds that are aimed anew make it jump: legs do not
-    let rounded = if params.fits && terrain.has_treads() { SOFT[1] } else { ROUNDED };
+    let rounded = if params.fits && kerb::by(params, terrain, state) { SOFT[1] } else { ROUNDED };
     let sharp = 1.0 / (rounded * params.tempo);
     let rate = state.carried.rate
         + ((height - state.carried.height) * (sharp * sharp) - state.carried.rate * (2.0 * sharp)) * dt;

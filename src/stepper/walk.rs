@@ -8,8 +8,8 @@ use super::gait::{self, Rhythm};
 use super::pace::{self, Pace};
 use super::support::{Support, Tread};
 use super::{
-    Inputs, Params, Physique, State, StepKind, Swing, footfall, footing, grip, ground, kerb, rise, roll, steep, swing,
-    turn,
+    Inputs, Params, Physique, State, StepKind, Swing, footfall, footing, grip, ground, kerb, mesh, rise, roll, steep,
+    swing, turn,
 };
 use super::{Passing, balance};
 use crate::maths::pendulum;
@@ -72,6 +72,10 @@ pub struct Gait {
     pub grade: f64,
     /// m, by how much steps are longer than planned, in the mean of the last ones.
     pub longer: f64,
+    /// Does what a mesh has in the way leave nowhere to go? It stands then.
+    pub barred: bool,
+    /// Is a mesh's ground by the next foothold such that a sole does not lie on it everywhere?
+    pub broken: bool,
     /// m, where the foot that leaves next is to land, (x, z), and s, how long it then swings; where steps are timed to land off edges.
     pub next: Option<(DVec2, f64)>,
     /// The speed that is held.
@@ -102,6 +106,8 @@ impl Gait {
             rise: 0.0,
             grade: 0.0,
             longer: 0.0,
+            barred: false,
+            broken: false,
             next: None,
             pace: Pace::default(),
         }
@@ -121,6 +127,9 @@ pub fn steer(params: &Params, physique: &Physique, terrain: &Terrain, state: &mu
     gait.tick = dt;
     gait.longest = footing::longest(terrain, params, ground(state.com), wanted.normalize_or(state.ahead));
     let mut slowest = footing::STAIR_STEP;
+    if params.fits && terrain.is_mesh() {
+        gait.longest = mesh::beside_edge(terrain, params.size, ground(state.com), state.ahead);
+    }
     if params.fits && gait.longest.is_finite() {
         (gait.longest, slowest) = (kerb::STRIDE, kerb::SLOWEST);
     }
@@ -132,7 +141,9 @@ pub fn steer(params: &Params, physique: &Physique, terrain: &Terrain, state: &mu
         wanted = wanted.clamp_length_min(least);
     }
     let wanted = wanted.clamp_length_max(longest / (slowest * params.tempo));
-    let wanted = wanted.clamp_length_max(footing::fastest(terrain, params, physique, ground(state.com), wanted));
+    let fastest = footing::fastest(terrain, params, physique, ground(state.com), wanted);
+    gait.barred = wanted != DVec2::ZERO && fastest < BARRED[usize::from(gait.barred)] * params.size / params.tempo;
+    let wanted = if gait.barred { DVec2::ZERO } else { wanted.clamp_length_max(fastest) };
     let most = ramp * dt;
     let first = 0.5 * params.size / params.tempo;
     let wanted = if gait.phase == Phase::Start { wanted.clamp_length_max(first) } else { wanted };
@@ -143,6 +154,14 @@ pub fn steer(params: &Params, physique: &Physique, terrain: &Terrain, state: &mu
     let force = ground(inputs.force).clamp_length_max(0.6 * params.foresee);
     let slow = if force.length_squared() < 0.5 * gait.lasting.length_squared() { 0.15 } else { 0.5 };
     gait.lasting += (force - gait.lasting) * (1.0 - real::exp(-dt / (slow * params.tempo)));
+}
+
+/// m/s of the reference body: who may go no faster before a wall or a ledge stands, until it may go as fast as the second.
+const BARRED: [f64; 2] = [0.2, 0.5];
+
+/// What the gait is told: to end before what bars the way.
+pub fn halted(state: &State, inputs: &Inputs) -> Inputs {
+    Inputs { walk: inputs.walk.filter(|_| !state.gait.barred), ..*inputs }
 }
 
 /// m of the reference body, the same as [`stumble`] where steps are fitted to the ground: who gives up there steps into a gap.
