@@ -213,7 +213,10 @@ fn what_it_cannot_play_is_named_and_never_left_out() {
             "[ground]\nkind = 'stairs'\nrise = 0.19\ntread = 0.3\n[[walk]]\nstart = 0.5\nspeed = 0.3",
             "steps of more than 0.17 m",
         ),
-        ("[ground]\nkind = 'stairs'\nrise = -0.05\ntread = 0.3\n[[walk]]\nstart = 0.5\nspeed = 0.3", "down stairs"),
+        (
+            "[ground]\nkind = 'stairs'\nrise = -0.19\ntread = 0.3\n[[walk]]\nstart = 0.5\nspeed = 0.3",
+            "steps of more than 0.17 m",
+        ),
         (
             "[ground]\nkind = 'stairs'\nrise = 0.05\ntread = 0.3\n[[walk]]\nstart = 0.5\nspeed = 0.5",
             "more than 0.35 m/s",

@@ -74,10 +74,12 @@ mod hostile;
 mod keys;
 /// Balls, boxes, and how long a recovery takes.
 mod lanes;
-/// The articulated body walking, turning and on one foot on slopes and uneven ground, shoved.
+/// The articulated body walking, turning and on one foot on slopes, gaps and uneven ground, shoved.
 mod led_ground;
 /// Turns on the spot by both drives, and deep crouches.
 mod led_lanes;
+/// The articulated body walking over kerbs and on stairs.
+mod led_stairs;
 /// The articulated body walking on level ground: steps alike, and shoves of the paper's range.
 mod led_walks;
 /// Legs of any length.

@@ -44,16 +44,16 @@ const APART: f64 = 0.9 - ROUNDED;
 const CROSSES: [f64; 2] = [0.4 - ROUNDED, 0.5 + ROUNDED];
 const ASLANT: f64 = 2.0_f64.to_radians();
 
-/// m: so high is a single step, up or down; m/s at legs of usual length, Froude-equal at others: and so fast. On shortened legs a third of the
-/// walks up falls.
+/// m: so high is a single step, up or down, that is walked over in the gait; m/s at legs of usual length, Froude-equal at others: and so
+/// fast. On shortened legs a third of the walks up falls.
 const KERB: f64 = 0.1 + ROUNDED;
 const CLIMBS: [f64; 2] = [0.3 - ROUNDED, 0.4 + ROUNDED];
 
 /// m/s at legs of usual length: so fast are walks without ankle feedback.
 const BARE: f64 = 1.0;
 
-/// m: so high are the steps of a flight that is climbed, one tread at a time, on feet that do not bend (on higher ones only their tips bear,
-/// and a third falls) and on others.
+/// m: so high are the steps of a flight that is gone one tread at a time: up, on feet that do not bend (on higher ones only their tips bear,
+/// and a third falls), and up and down on others.
 const CLIMBED: [f64; 2] = [0.1 + ROUNDED, 0.17 + ROUNDED];
 /// m, from where to where its treads reach: of 100 walks drawn on treads of 0.28 to 0.34 m seven fall, all on treads under 0.30 m.
 const TREADS: [f64; 2] = [0.3 - ROUNDED, 0.36 + ROUNDED];
@@ -94,7 +94,7 @@ pub(super) fn unplayed(scenario: &Scenario, base: Option<&Base>) -> Vec<&'static
         }
         GroundKind::Platform { ref pitch, ref roll } => on_platform(scenario, [pitch, roll], &mut parts),
         GroundKind::Gaps { width, spacing } => on_gaps(scenario, [width, spacing], &mut parts),
-        GroundKind::Stairs { rise, count: 1, .. } if rise <= KERB => on_kerb(scenario, rise, &mut parts),
+        GroundKind::Stairs { rise, count: 1, .. } if rise.abs() <= KERB => on_kerb(scenario, &mut parts),
         GroundKind::Stairs { rise, tread, .. } => on_stairs(scenario, [rise, tread], &mut parts),
         GroundKind::Mesh { .. } => on_mesh(scenario, &mut parts),
     }
@@ -140,6 +140,9 @@ pub(super) fn unbent(scenario: &Scenario, body: &Body) -> Option<&'static str> {
     let part = match scenario.ground.kind {
         GroundKind::Slope { angle } if walks(&|walk| real::tan(angle) * real::cos(walk.heading) > real::tan(STEEP)) => {
             "[[walk]] up a slope of more than 12 degrees on feet without toe joints"
+        }
+        GroundKind::Stairs { rise, count, .. } if rise < 0.0 && (count > 1 || rise < -KERB) && walks(&|_| true) => {
+            "[[walk]] down stairs on feet without toe joints"
         }
         GroundKind::Stairs { rise, .. } if rise > CLIMBED[0] && walks(&|_| true) => {
             "[[walk]] up stairs with steps of more than 0.1 m on feet without toe joints"
@@ -231,39 +234,37 @@ fn on_gaps(scenario: &Scenario, [width, spacing]: [f64; 2], parts: &mut Parts) {
     parts.add(walks && !scenario.stand.is_empty(), "[[stand]] beside [[walk]] over gaps");
 }
 
-/// A single step a metre ahead.
-fn on_kerb(scenario: &Scenario, rise: f64, parts: &mut Parts) {
+/// A single step a metre ahead, low enough for the gait.
+fn on_kerb(scenario: &Scenario, parts: &mut Parts) {
     let size = scenario.character.leg_scale;
     let walks = |cannot: &dyn Fn(&Walk) -> bool| scenario.walk.iter().any(|walk| walk.speed > 0.0 && cannot(walk));
     let turned = |walk: &Walk| walk.heading.abs().max(walk.facing.unwrap_or(walk.heading).abs()) > ASLANT;
     let pace = size.sqrt();
     let fast = |walk: &Walk| !(CLIMBS[0] * pace..=CLIMBS[1] * pace).contains(&walk.speed);
-    parts.add(walks(&|_| rise.abs() > KERB), "[[walk]] over a kerb of more than 0.1 m");
     parts.add(walks(&|_| size < 1.0), "[[walk]] over a kerb on shortened legs");
     parts.add(walks(&fast), "[[walk]] over a kerb at less than 0.3 or more than 0.4 m/s");
     parts.add(walks(&turned), "[[walk]] over a kerb that does not go and face straight ahead");
     lanes(&Scenario { walk: Vec::new(), ..scenario.clone() }, parts, EDGED);
 }
 
-/// A flight, or a kerb too high for the gait: climbed one tread at a time.
+/// A flight, or a kerb too high for the gait: one tread at a time, up and down.
 fn on_stairs(scenario: &Scenario, [rise, tread]: [f64; 2], parts: &mut Parts) {
     let size = scenario.character.leg_scale;
     let walks = |cannot: &dyn Fn(&Walk) -> bool| scenario.walk.iter().any(|walk| walk.speed > 0.0 && cannot(walk));
     let turned = |walk: &Walk| walk.heading.abs().max(walk.facing.unwrap_or(walk.heading).abs()) > ASLANT;
     let pace = size.sqrt();
     let fast = |walk: &Walk| !(APPROACHES[0] * pace..=APPROACHES[1] * pace).contains(&walk.speed);
-    parts.add(walks(&|_| rise < 0.0), "[[walk]] down stairs");
-    parts.add(walks(&|_| rise > CLIMBED[1]), "[[walk]] up stairs with steps of more than 0.17 m");
+    parts.add(walks(&|_| rise.abs() > CLIMBED[1]), "[[walk]] on stairs with steps of more than 0.17 m");
     parts.add(
         walks(&|_| !(TREADS[0]..=TREADS[1]).contains(&tread)),
-        "[[walk]] up stairs with treads of less than 0.3 or more than 0.36 m",
+        "[[walk]] on stairs with treads of less than 0.3 or more than 0.36 m",
     );
     parts.add(
         walks(&|_| !(SCALED[0]..=SCALED[1]).contains(&size)),
-        "[[walk]] up stairs on legs scaled by less than 1 or more than 1.15",
+        "[[walk]] on stairs on legs scaled by less than 1 or more than 1.15",
     );
-    parts.add(walks(&fast), "[[walk]] up stairs at less than 0.2 or more than 0.35 m/s");
-    parts.add(walks(&turned), "[[walk]] up stairs that does not go and face straight ahead");
+    parts.add(walks(&fast), "[[walk]] on stairs at less than 0.2 or more than 0.35 m/s");
+    parts.add(walks(&turned), "[[walk]] on stairs that does not go and face straight ahead");
     lanes(&Scenario { walk: Vec::new(), ..scenario.clone() }, parts, EDGED);
 }
 

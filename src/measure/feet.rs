@@ -31,8 +31,8 @@ pub struct FeetFindings {
     pub slip_max_mm: f64,
     /// mm/s, 95th percentile over all held points of all contacts and samples.
     pub slip_speed_p95: f64,
-    /// mm, the deepest sole vertex in the ground as its contact meets it ([`ground::Held`]), or under the ground (y = 0 where that is not
-    /// known) for a foot that has none.
+    /// mm, the deepest sole vertex in the ground: as its contact meets it ([`ground::depth_held`]), or (y = 0 where it is not known) as a foot
+    /// without one does.
     pub penetration_max_mm: f64,
     /// s, when that is.
     pub penetration_time: f64,
@@ -125,8 +125,8 @@ fn depths(track: &Track, contacts: &[HeldContact]) -> (Peak, Vec<Peak>) {
                 }
                 in_contact = true;
                 let contact = &track.placed(contact, sample);
-                let floor = ground::Held::new(track, contact, sample);
-                points[..sole].iter().for_each(|point| sink(1000.0 * floor.depth(*point)));
+                let deep = |point: &DVec3| 1000.0 * ground::depth_held(track, contact, sample, *point);
+                points[..sole].iter().for_each(|point| sink(deep(point)));
                 part_points(track, sample, side, contact.part, &mut points);
                 let lowest = points[sole..].iter().map(|point| contact.height(*point)).fold(f64::INFINITY, f64::min);
                 points.truncate(sole);

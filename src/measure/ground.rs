@@ -64,25 +64,11 @@ pub fn depth(terrain: &Terrain, time: f64, point: DVec3) -> f64 {
     }
 }
 
-/// The ground as a foot that a contact holds meets it at one sample: the contact's plane; where ground has edges and creases that a sole
-/// may reach over, the ground itself.
-pub struct Held<'a> {
-    edged: Option<&'a Terrain>,
-    time: f64,
-    plane: HeldContact,
-}
-
-impl<'a> Held<'a> {
-    /// For a contact that is placed in the world.
-    pub fn new(track: &'a Track, plane: &HeldContact, sample: usize) -> Held<'a> {
-        let edged = track.terrain.as_ref().filter(|terrain| terrain.has_treads() || terrain.is_mesh());
-        Held { edged, time: track.motion.time(sample), plane: *plane }
-    }
-
-    /// m, how deep a point lies in it; negative above it.
-    pub fn depth(&self, point: DVec3) -> f64 {
-        self.edged.map_or(-self.plane.height(point), |terrain| depth(terrain, self.time, point))
-    }
+/// m, how deep a point of a foot lies in the ground at one sample, where a contact (placed in the world) holds the foot: under the contact's
+/// plane. That plane goes on where a tread or a ramp ends and goes on through a riser, so on stairs and meshes the ground itself counts.
+pub fn depth_held(track: &Track, contact: &HeldContact, sample: usize, point: DVec3) -> f64 {
+    let edged = track.terrain.as_ref().filter(|terrain| terrain.has_treads() || terrain.is_mesh());
+    edged.map_or(-contact.height(point), |terrain| depth(terrain, track.motion.time(sample), point))
 }
 
 /// The ground as a foot in the air meets it at one sample.
@@ -161,25 +147,48 @@ mod tests {
         assert!((depth(&gaps, 0.0, dvec3(0.0, -0.1, 1.21)) - 0.01).abs() < 1e-12);
     }
 
+    /// A body that stands still with both feet held, so far ahead and with its toes turned down by so many degrees.
+    fn stood(terrain: &Terrain, ahead: f64, height: f64, droop: f64) -> f64 {
+        let body = fixture::body();
+        let toes = body.feet.each_ref().map(|foot| foot.toe.expect("it has toes"));
+        let poses = fixture::poses(&body, 60, |pose, _| {
+            pose.hips += dvec3(0.0, height, ahead);
+            toes.iter().for_each(|toe| pose.turns[*toe] = DQuat::from_rotation_x(droop.to_radians()));
+        });
+        let contacts = fixture::standing().map(|contact| HeldContact { point: DVec3::Y * height, ..contact });
+        let found = measure_on(fixture::motion(&body, &poses), terrain, &contacts, &[]).expect("sound");
+        found.feet.penetration_max_mm
+    }
+
     #[test]
-    fn a_foot_in_contact_is_in_the_ground_that_is_there_and_not_under_a_plane_past_its_edge() {
+    fn toes_of_a_foot_that_stands_are_free_past_an_edge_and_deep_in_a_tread_or_a_riser() {
+        let down = ground(GroundKind::Stairs { rise: -0.17, tread: 0.3, count: 3 });
+        let up = ground(GroundKind::Stairs { rise: 0.17, tread: 0.3, count: 3 });
+        // Its tips are 0.19 m ahead of it, turned down about joints 0.12 m ahead.
+        assert!(stood(&down, 0.5, 0.0, 0.0) < 1e-6, "flat in the midst of a tread");
+        assert!(stood(&down, 0.85, 0.0, 0.0) < 1e-6, "flat, the toes over the edge");
+        assert!(stood(&down, 0.86, 0.0, 30.0) < 1e-6, "the toes hang over the edge");
+        let (sine, cosine) = real::sin_cos(30.0_f64.to_radians());
+        let under = 1e3 * (0.02 * cosine + 0.07 * sine - 0.02);
+        let deep = stood(&down, 0.5, 0.0, 30.0);
+        assert!((deep - under).abs() < 1e-6 && deep > 25.0, "the toes are in the tread: {deep}");
+        let deep = stood(&down, 1.15, -0.19, 0.0);
+        assert!((deep - 20.0).abs() < 1e-6, "the sole is under its tread: {deep}");
+        let deep = stood(&up, 0.83, 0.0, 0.0);
+        assert!((deep - 20.0).abs() < 1e-6, "the tips are in the riser: {deep}");
+        assert!(stood(&up, 0.80, 0.0, 0.0) < 1e-6, "before the riser");
+    }
+
+    #[test]
+    fn a_foot_that_stands_on_a_crease_of_a_mesh_is_in_its_faces_and_not_under_a_plane_past_them() {
         let body = fixture::body();
         let poses = fixture::poses(&body, 2, |_, _| {});
         let held = |terrain: &Terrain, point: DVec3, normal: DVec3, asked: DVec3| {
             let track = Track::over(fixture::motion(&body, &poses), terrain).expect("sound");
             let contact = HeldContact { point, normal, ..fixture::flat(Side::Left, 0.0, 1.0) };
-            Held::new(&track, &contact, 0).depth(asked)
+            depth_held(&track, &contact, 0, asked)
         };
         let at = |y: f64, z: f64| dvec3(0.0, y, z);
-        let down = ground(GroundKind::Stairs { rise: -0.17, tread: 0.3, count: 3 });
-        let upper = |asked| held(&down, at(0.0, 0.9), DVec3::Y, asked);
-        assert!(upper(at(-0.05, 1.02)) < 0.0, "toes past the nosing are in the air");
-        assert!((upper(at(-0.012, 0.95)) - 0.012).abs() < 1e-12, "before it they are in the tread");
-        let up = ground(GroundKind::Stairs { rise: 0.17, tread: 0.3, count: 3 });
-        assert!(
-            (held(&up, at(0.0, 0.9), DVec3::Y, at(0.05, 1.01)) - 0.01).abs() < 1e-12,
-            "over its plane, in the riser"
-        );
         // A ramp up that ends at z = 0.1: the sole lies along the ramp or along the floor.
         let corner = |x: f64, y: f64, z: f64| dvec3(x, y, z);
         let strip = |[near, far]: [f64; 2], low: f64| {

@@ -50,7 +50,7 @@ pub(super) fn aloft(share: f64) -> f64 {
 }
 
 impl Controller {
-    /// m, the points of a sole in its foot's frame: those over a lower tread are drawn in to the edge, as far as the ball.
+    /// m, the points of a sole in its foot's frame: those over a lower tread are drawn in to the edge.
     pub(super) fn drawn_in(&self, figure: &Figure, terrain: &Terrain, side: Side) -> [DVec3; POINTS] {
         let mut points = figure.soles[side as usize];
         if !self.treads {
@@ -62,8 +62,10 @@ impl Controller {
             let at = figure.carried(&self.motion.states, side, index, point);
             terrain.spot_under(at, RISES * self.size).height - plane(flat(at)) + LOWER * self.size
         };
-        for index in (0..BALL).chain(TIP..POINTS) {
-            let (out, ball) = (points[index], points[BALL + index % 2]);
+        // The ball first: where it is over the edge itself, the heel is what bears.
+        for index in (BALL..TIP).chain(0..BALL).chain(TIP..POINTS) {
+            let inner = if (BALL..TIP).contains(&index) { index % 2 } else { BALL + index % 2 };
+            let (out, ball) = (points[index], points[inner]);
             if over(index, out) >= 0.0 {
                 continue;
             }

@@ -22,13 +22,13 @@ impl Controller {
         lie.map_or(spot, |lie| Spot { height: lie.height, normal: lie.normal, ..spot })
     }
 
-    /// The ground for a foot that stands: on treads, under its sole's middle.
+    /// The ground for a foot that stands: on treads, under its sole's middle where it lies flat.
     pub(super) fn stood_on(&self, figure: &Figure, terrain: &Terrain, side: Side) -> Spot {
         let (ankle, yaw) = self.foot(figure, side);
-        let at = DVec2::new(ankle.x, ankle.z);
         if terrain.has_treads() {
-            return terrain.spot(at + self.ahead(side, yaw));
+            return terrain.spot(flat(self.laid_flat(figure, side)) + self.ahead(side, yaw));
         }
+        let at = flat(ankle);
         let spot = terrain.spot(at);
         if !terrain.is_mesh() {
             return spot;

@@ -132,7 +132,7 @@ impl Pilot {
             swing,
             leaves: follow::leaves(state, SOON),
             stride,
-            balls: steep::share(params, state),
+            balls: if state.climb.down { 1.0 } else { steep::share(params, state) },
         }
     }
 

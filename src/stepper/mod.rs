@@ -11,6 +11,7 @@ mod balance;
 mod climb;
 mod control;
 mod decide;
+mod descend;
 pub mod follow;
 mod footfall;
 mod foothold;
