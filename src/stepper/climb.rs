@@ -7,7 +7,7 @@
 use super::support::{Support, Tread};
 use super::walk::Phase;
 use super::{Gait, Inputs, Params, Passing, Physique, Plant, State, StepKind, Swing};
-use super::{descend, ground, kerb, rise, support};
+use super::{descend, ground, kerb, rise, support, swing};
 use crate::maths::curve::smooth3;
 use crate::maths::real;
 use crate::model::scenario::GroundKind;
@@ -75,6 +75,13 @@ const PACE: f64 = 0.12;
 /// As [`PACE`] says.
 const STOPPED: f64 = 0.25;
 
+/// m of the reference body: so far off its way ξ is past what the pressure under the feet brings back; and the share of a swing after which
+/// the foot in the air lands where it was sent all the same. Of 16 shoves of 20 N s on flights of 17 cm (the built-in body, without looking
+/// ahead) 10 are stood up and 13 down, without it 8 and 5.
+const LOST: f64 = 0.08;
+/// As [`LOST`] says.
+const LATE: f64 = 0.7;
+
 /// How ξ goes from tread to tread.
 struct Manner {
     /// Share of what of a sole bears, from behind, over which ξ is held.
@@ -106,6 +113,7 @@ pub struct Climb {
     from: DVec2,  // m, where ξ was when both feet came to stand, (x, z)
     speed: DVec2, // m/s, how fast it was to go then
     since: f64,   // s, when that was
+    off: f64,     // m, how far ξ is from its way
 }
 
 /// A tick's situation: who steps next or does, from which foot, and over where ξ is held.
@@ -176,6 +184,16 @@ pub fn goes(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut
     state.climb.on
 }
 
+/// Who is shoved off its way leaves it, and the step in the air, to the body's own law, and goes on from where that brought it.
+pub fn give_up(params: &Params, state: &mut State) {
+    let shoved = state.shoved < params.tempo;
+    let late = state.swing.is_some_and(|swing| swing::phase(&swing, state.time) > LATE);
+    if shoved && !late && state.climb.off > LOST * params.size {
+        (state.swing, state.climb) = (None, Climb::default());
+        state.gait = Gait::still(state.gait.side);
+    }
+}
+
 /// A foot is down.
 pub fn landed(state: &mut State) {
     (state.climb.from, state.climb.since) = (state.xi(), state.time);
@@ -191,6 +209,7 @@ pub fn tick(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut
     let (way, along) = scene.way(state);
     let [wanted, speed] = way;
     let xi = state.xi();
+    state.climb.off = xi.distance(wanted);
     state.cop = scene.bears(state, xi - speed / state.omega() + (xi - wanted) * manner(state).gain);
     scene.height(state, dt);
     state.climb.lean = LEANS * rise / params.size;

@@ -84,6 +84,7 @@ pub fn follow(
             climb::landed(state);
         }
         climb::tick(params, physique, terrain, state, dt);
+        climb::give_up(params, state);
         state.tick += 1;
         state.time = state.tick as f64 * dt;
         return landed;
