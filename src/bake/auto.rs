@@ -5,6 +5,7 @@
 //! platform) the articulated body is kept; else the clip of the higher plausibility, the stepper's where they are even. Where
 //! both fall, the clip that shows more of it.
 
+use super::base::Over;
 use super::obeys::{Shirked, shirked};
 use super::ragdoll::{Drive, Helped};
 use super::unplayed::unplayed;
@@ -99,7 +100,7 @@ fn better(stepper: Baked, ragdoll: Result<Baked, BakeError>, scenario: &Scenario
         _ if is_home(&stepper) && !is_home(&ragdoll) => {
             stepper.chosen("the ragdoll does not come back to the base clip".into(), Some(scores.1))
         }
-        _ if ragdoll.report.base.is_some() && ragdoll.report.drift.is_some_and(|drift| drift.position_mm > LED) => {
+        _ if over_stand(&ragdoll) && ragdoll.report.drift.is_some_and(|drift| drift.position_mm > LED) => {
             stepper.chosen("the ragdoll is led back to the base clip, farther than its run goes".into(), Some(scores.1))
         }
         _ if touched(scenario) => ragdoll.chosen(TOUCHED.into(), Some(scores.0)),
@@ -111,6 +112,11 @@ fn better(stepper: Baked, ragdoll: Result<Baked, BakeError>, scenario: &Scenario
 /// Whether a clip ends in the base clip that it is laid over, if any.
 fn is_home(baked: &Baked) -> bool {
     baked.report.base.as_ref().is_none_or(|base| base.last_deg < HOME.0 && base.last_mm < HOME.1)
+}
+
+/// Whether it is laid over a base clip that stands.
+fn over_stand(baked: &Baked) -> bool {
+    matches!(baked.performance.timeline.over, Some(Over::Stand(_)))
 }
 
 /// Whether anything but a push meets the body.

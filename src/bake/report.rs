@@ -144,8 +144,14 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
 fn drift(performance: &Performance, poses: &[BodyPose], hz: f64) -> Option<Drift> {
     let (timeline, played) = (&performance.timeline, performance.timeline.played.as_ref()?);
     let times = (0..poses.len()).map(|sample| sample as f64 / hz).take_while(|time| *time <= timeline.stands() + 1e-9);
+    // Over a clip that walks, where it is not that clip.
+    let [from, to] = played.away().map_or([0.0, f64::INFINITY], |[_, alone]| alone);
     let off = |(time, pose)| drift::between(&timeline.body, played.joints(), &played.run_at(time), pose);
-    let most = times.zip(poses).map(off).fold(drift::Drift::default(), drift::Drift::or);
+    let most = times
+        .zip(poses)
+        .filter(|(time, _)| (from..=to).contains(time))
+        .map(off)
+        .fold(drift::Drift::default(), drift::Drift::or);
     Some(Drift { position_mm: 1000.0 * most.place, angle_deg: most.turn.to_degrees() })
 }
 
@@ -208,7 +214,8 @@ const SAME: f64 = 1e-4;
 /// From when to when a foot stands, s: as the body's run had it, whose feet may also stand without holding still; else as the
 /// clip's contacts say, which leave sooner than the simulated ones where nothing rests on them.
 fn stood(performance: &Performance, side: Side) -> Vec<[f64; 2]> {
-    if let (Some(driven), true) = (&performance.articulated, performance.timeline.played.is_some()) {
+    let runs = performance.timeline.played.as_ref().is_some_and(|played| played.away().is_none());
+    if let (Some(driven), true) = (&performance.articulated, runs) {
         let stands = performance.timeline.stands();
         let clipped = |[down, up]: [f64; 2]| [down, if up < stands - SAME { up } else { f64::INFINITY }];
         return driven.run.stood[side as usize].iter().copied().map(clipped).collect();

@@ -110,7 +110,6 @@ pub(super) fn unplayed(scenario: &Scenario, base: Option<&Base>) -> Vec<&'static
     parts.add(crouches && (walks || turns || stands), "[[crouch]] beside [[walk]], [[turn]] or [[stand]]");
     parts.add(scenario.character.crouch > 0.0, "[character] crouch");
     let over = base.is_some() || scenario.base.is_some();
-    parts.add(base.is_some_and(|base| base.walks), "[base] that walks");
     let lanes = walks || turns || stands || crouches || !scenario.carry.is_empty();
     parts.add(over && lanes, "[base] beside [[walk]], [[turn]], [[crouch]], [[stand]] or [[carry]]");
     parts.add(over && scenario.ground.kind != GroundKind::Flat, "[base] on ground that is not flat");

@@ -5,6 +5,7 @@ pub mod balls;
 mod homeward;
 mod looks;
 mod mirror;
+mod moved;
 mod pilot;
 mod record;
 mod retrace;

@@ -13,7 +13,7 @@ use glam::{DQuat, DVec3};
 const FLAT: f64 = 0.02;
 
 /// m, at rest: from the ankle to what the foot rolls over, its toe joint, or the tip where there is none.
-pub(super) fn to_ball(body: &Body, side: Side) -> DVec3 {
+pub(in crate::bake) fn to_ball(body: &Body, side: Side) -> DVec3 {
     let shape = &body.feet[side as usize];
     match shape.toe {
         Some(toe) => body.joints[toe].rest - body.joints[shape.ankle].rest,

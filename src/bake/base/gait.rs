@@ -287,7 +287,7 @@ fn jolts(base: &Base, travelled: &[DVec3]) -> f64 {
 }
 
 /// Between two targets of a foot.
-pub(super) fn blended(from: &FootTarget, to: &FootTarget, share: f64) -> FootTarget {
+pub(in crate::bake) fn blended(from: &FootTarget, to: &FootTarget, share: f64) -> FootTarget {
     if share <= 0.0 {
         return *from;
     }

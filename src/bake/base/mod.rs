@@ -3,11 +3,12 @@
 //! A [`Base`] is a clip on the body that is baked, judged once: a stand (both feet stay) or a walk. [`stand`] lays a reaction over a
 //! stand. Scenario space: metres, the ground at 0, the clip's own place and heading. What runs, jumps or sits is refused.
 
+pub(in crate::bake) mod again;
 mod bearing;
 mod beside;
 mod cycle;
 mod error;
-mod foot;
+pub(in crate::bake) mod foot;
 pub mod gait;
 mod hold;
 pub(in crate::bake) mod over;

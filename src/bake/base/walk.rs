@@ -19,7 +19,7 @@ use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
 /// s that the stepper walks before it is looked at.
-const WARM: f64 = 6.0;
+pub(in crate::bake) const WARM: f64 = 6.0;
 /// s, by which the moment of its gait may be off for both feet to be where the clip's are.
 const OFF_BEAT: f64 = 0.14;
 /// 1/s, how fast what the two differ by is let go.
@@ -31,7 +31,7 @@ const SAME_STEP: f64 = 0.07;
 /// s, in which a foot that is coming down when the stepper takes over lies as the clip's would.
 const SETTLES: f64 = 0.1;
 /// s that the stepper is run for beyond the end: the step that is on its way then lands.
-const AFTER: f64 = 3.0;
+pub(in crate::bake) const AFTER: f64 = 3.0;
 /// s of gait that are made beyond the clip's end.
 const BEYOND: f64 = 6.0;
 
@@ -50,27 +50,27 @@ pub struct Walked {
     /// Sentences for a person.
     pub notes: Vec<String>,
     from: f64, // s, the stepper takes over
-    sides: [Joined; 2],
-    back: Option<Back>,
+    pub(super) sides: [Joined; 2],
+    pub(super) back: Option<Back>,
     beats: Vec<[f64; 2]>, // s of the baked clip, s of the gait
 }
 
 /// One foot's way from the clip to the stepper and back.
 #[derive(Clone, Copy, Debug, Default)]
-struct Joined {
+pub(super) struct Joined {
     offset: Option<FootOffset>, // the clip's from the stepper's when it takes over
     // s, and the same then: of a foot that is coming down when the stepper takes over, once both lie flat.
     settles: Option<(f64, FootOffset)>,
-    goes: Option<[f64; 2]>, // s, the swing in which that is let go
-    back: Option<[f64; 2]>, // s, the swing in which the clip is taken up
+    goes: Option<[f64; 2]>,            // s, the swing in which that is let go
+    pub(super) back: Option<[f64; 2]>, // s, the swing in which the clip is taken up
 }
 
 /// The clip, taken up again.
 #[derive(Clone, Copy, Debug)]
-struct Back {
-    later: f64,     // s, the baked clip's time less the gait's
-    shift: DVec3,   // m
-    over: [f64; 2], // s, from the first foot's lift to the second one's landing
+pub(super) struct Back {
+    pub(super) later: f64,     // s, the baked clip's time less the gait's
+    pub(super) shift: DVec3,   // m
+    pub(super) over: [f64; 2], // s, from the first foot's lift to the second one's landing
 }
 
 impl Walked {
@@ -148,7 +148,17 @@ impl Walked {
     }
 
     fn bears(&self, side: Side, time: f64) -> bool {
-        self.gait.around(side, time).0.is_some_and(|fall| fall.up >= time)
+        self.bearing(side, time).is_some()
+    }
+
+    /// What a foot that bears in the clip then stands on.
+    pub fn bearing(&self, side: Side, time: f64) -> Option<Part> {
+        let fall = self.gait.around(side, time).0.filter(|fall| fall.up >= time)?;
+        Some(match time {
+            _ if time < fall.flat => fall.parts[0],
+            _ if time < fall.ball => Part::Flat,
+            _ => fall.parts[1],
+        })
     }
 
     /// The stepper's run as the clip's: from `ago` s on, where the feet are that bear at the time `from`.
@@ -357,11 +367,16 @@ impl Walked {
                 _ => list.push(contact),
             }
         }
-        if let (Some([_, land]), Some(taken)) = (back, self.back) {
-            let clip = [land - taken.later - 1e-3, end - taken.later];
-            self.gait.contacts(side, clip[0], clip[1], taken.shift, taken.later, &mut list);
-        }
+        self.contacts_again(side, end, &mut list);
         list
+    }
+
+    /// Those of the clip that is taken up again.
+    pub fn contacts_again(&self, side: Side, end: f64, list: &mut Vec<FootContact>) {
+        if let (Some([_, land]), Some(taken)) = (self.sides[side as usize].back, self.back) {
+            let clip = [land - taken.later - 1e-3, end - taken.later];
+            self.gait.contacts(side, clip[0], clip[1], taken.shift, taken.later, list);
+        }
     }
 
     /// s of the gait at a time of the baked clip.

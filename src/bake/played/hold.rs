@@ -190,7 +190,7 @@ impl Ease {
 }
 
 /// What is left of a value that changes at that rate where it is let go, so long ago: none of it, and at rest, after `over`.
-fn left(value: DVec3, rate: DVec3, passed: f64, over: f64) -> DVec3 {
+pub(super) fn left(value: DVec3, rate: DVec3, passed: f64, over: f64) -> DVec3 {
     if passed <= 0.0 || passed >= over {
         return if passed.abs() <= 1e-9 && over > 0.0 { value } else { DVec3::ZERO };
     }

@@ -1,5 +1,6 @@
 //! A leg posed anew for its ankle: hip and ankle given, the knee stays in the plane that it had. Scenario space, m.
 
+use crate::maths::curve::smooth3;
 use crate::maths::quat::shortest_arc;
 use crate::maths::two_bone_ik::two_bone_ik;
 use crate::model::{Body, BodyPose, Side};
@@ -8,6 +9,10 @@ use glam::{DQuat, DVec3};
 
 /// The part of its length that a leg may use. The run's own was within its joints; a little less than all keeps the knee's side.
 const STRAIGHTEST: f64 = 0.9998;
+
+/// Parts of a leg's length, that the knee is beside the line from hip to ankle: less, it does not tell where it bends to; more, it does (a
+/// bend of 7 and of 27 degrees).
+const BENT: [f64; 2] = [0.015, 0.06];
 
 /// Where a foot is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,6 +43,19 @@ impl Foot {
     }
 }
 
+/// The same for a foot that may be far from where it was: the knee of a leg that is almost straight goes where the pelvis faces.
+pub fn reach_ahead(
+    body: &Body,
+    anatomy: &Anatomy,
+    pose: &mut BodyPose,
+    positions: &[DVec3],
+    side: Side,
+    wanted: &Foot,
+) -> f64 {
+    let ahead = pose.turns[0] * DVec3::Z;
+    reach_by(body, anatomy, pose, positions, (side, Some(ahead)), wanted)
+}
+
 /// Puts a foot there; `positions` are the joints' before. Returns by how much the leg is too short for it, m.
 pub fn reach(
     body: &Body,
@@ -45,6 +63,17 @@ pub fn reach(
     pose: &mut BodyPose,
     positions: &[DVec3],
     side: Side,
+    wanted: &Foot,
+) -> f64 {
+    reach_by(body, anatomy, pose, positions, (side, None), wanted)
+}
+
+fn reach_by(
+    body: &Body,
+    anatomy: &Anatomy,
+    pose: &mut BodyPose,
+    positions: &[DVec3],
+    (side, ahead): (Side, Option<DVec3>),
     wanted: &Foot,
 ) -> f64 {
     let leg = &anatomy.legs[side as usize];
@@ -56,6 +85,10 @@ pub fn reach(
         // A knee on the line says by the thigh's own hinge where it would go.
         let hinge = pose.turns[leg.upper] * leg.thigh_from_rest.inverse() * DVec3::X;
         let pole = if off.length() > 1e-4 * leg.length() { off } else { hinge.cross(-axis) };
+        let pole = ahead.map_or(pole, |ahead| {
+            let known = smooth3((off.length() / leg.length() - BENT[0]) / (BENT[1] - BENT[0]));
+            off * known + (ahead - axis * ahead.dot(axis)) * (BENT[1] * leg.length() * (1.0 - known))
+        });
         // Turned as the leg turns, so that the plane goes along.
         let pole = shortest_arc(ankle - hip, wanted.ankle - hip) * pole;
         let (upper, lower) = ((knee - hip).length(), (ankle - knee).length());

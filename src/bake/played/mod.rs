@@ -7,16 +7,21 @@
 pub mod contacts;
 pub mod drift;
 mod hold;
+mod joined;
+mod landing;
 pub mod leg;
+mod onward;
 mod over;
 pub mod perform;
+mod walk;
 
-use super::base::{Over, Stood};
+use super::base::{Over, Stood, Walked};
 use super::contacts::FootContact;
 use crate::maths::curve::sample;
 use crate::maths::filter::zero_lag;
 use crate::measure::Scuff;
 use crate::model::{Body, BodyPose, Side, Terrain};
+use crate::stepper::Step;
 use crate::whole_body::Anatomy;
 use glam::{DQuat, DVec3, DVec4};
 use hold::Held;
@@ -64,7 +69,14 @@ pub struct Played {
     held: [Held; 2],
     shift: Vec<DVec3>, // m, by which the body gives way to its held feet
     scuffs: Vec<Scuff>,
-    laid: Option<Box<over::Laid>>,
+    laid: Option<Laid>,
+}
+
+/// The base clip under a run.
+#[derive(Clone, Debug)]
+enum Laid {
+    Stand(Box<over::Laid>),
+    Walk(Box<onward::Onward>),
 }
 
 impl Played {
@@ -108,13 +120,36 @@ impl Played {
 
     /// The same over the clip that the run started from.
     fn over_stand(mut self, run: &Run, stood: Stood, course: &over::Course) -> Played {
-        self.laid = Some(Box::new(over::Laid::new(&self, run, stood, course)));
+        self.laid = Some(Laid::Stand(Box::new(over::Laid::new(&self, run, stood, course))));
+        self
+    }
+
+    /// The same over the clip of a walk, in which it was struck and took those steps.
+    fn over_walk(mut self, run: &Run, walked: Walked, steps: &[Step], course: (f64, f64, bool)) -> Played {
+        let laid = onward::Onward::new(&self, run, walked, steps, course);
+        for scuff in &mut self.scuffs {
+            let [from, to] = laid.touches(scuff.side);
+            (scuff.start, scuff.end) = (scuff.start.max(from), scuff.end.min(to));
+        }
+        self.scuffs.retain(|scuff| scuff.start < scuff.end);
+        self.laid = Some(Laid::Walk(Box::new(laid)));
         self
     }
 
     /// The clip that it is shown over.
     pub fn over(&self) -> Option<Over> {
-        self.laid.as_ref().map(|laid| Over::Stand(Box::new(laid.stood().clone())))
+        Some(match self.laid.as_ref()? {
+            Laid::Stand(laid) => Over::Stand(Box::new(laid.stood().clone())),
+            Laid::Walk(laid) => Over::Walk(Box::new(laid.walked().clone())),
+        })
+    }
+
+    /// s, over a clip that walks: from when to when it is not that clip, and from when to when it is the run alone.
+    pub fn away(&self) -> Option<[[f64; 2]; 2]> {
+        match &self.laid {
+            Some(Laid::Walk(laid)) => Some(laid.away()),
+            _ => None,
+        }
     }
 
     /// s, of the last pose.
@@ -140,8 +175,10 @@ impl Played {
 
     /// What the feet hold, in order of start, left before right.
     pub fn contacts(&self) -> Vec<FootContact> {
-        if let Some(laid) = &self.laid {
-            return laid.contacts().to_vec();
+        match &self.laid {
+            Some(Laid::Stand(laid)) => return laid.contacts().to_vec(),
+            Some(Laid::Walk(laid)) => return laid.contacts().to_vec(),
+            None => {}
         }
         let each = Side::BOTH.into_iter().flat_map(|side| self.held[side as usize].contacts(side));
         let mut contacts: Vec<FootContact> = each.collect();
@@ -188,7 +225,8 @@ impl Played {
     pub fn pose_at(&self, body: &Body, anatomy: &Anatomy, terrain: &Terrain, time: f64) -> BodyPose {
         let pose = self.held_pose(body, anatomy, terrain, time);
         match &self.laid {
-            Some(laid) => laid.pose(body, anatomy, &pose, time),
+            Some(Laid::Stand(laid)) => laid.pose(body, anatomy, &pose, time),
+            Some(Laid::Walk(laid)) => laid.pose(body, anatomy, &pose, time),
             None => pose,
         }
     }

@@ -29,7 +29,7 @@ const TURNED: f64 = 1.0 * std::f64::consts::PI / 180.0;
 /// Part of its length that a leg uses at most.
 const STRAIGHTEST: f64 = 0.9995;
 /// s, over which a body that must be lower for a leg to reach comes to be so.
-const LOWERS: f64 = 0.15;
+pub(super) const LOWERS: f64 = 0.15;
 
 /// The clip under a run.
 #[derive(Clone, Debug)]
@@ -132,7 +132,7 @@ impl Laid {
             stood,
         };
         let own = played.held_pose(body, run.anatomy, run.terrain, struck);
-        let shown = laid.with_clip(&own, &clip);
+        let shown = with_clip(&laid.owners, &own, &clip);
         laid.off = clip.turns.iter().zip(&shown.turns).map(|(clip, own)| *clip * own.inverse()).collect();
         laid.off_hips = clip.hips - own.hips;
         laid.stand(played, run, course, end);
@@ -246,19 +246,6 @@ impl Laid {
         Some(home)
     }
 
-    /// The run's pose with the clip's own turns of what no link turns about.
-    fn with_clip(&self, run: &BodyPose, clip: &BodyPose) -> BodyPose {
-        let turn = |joint: usize| {
-            let owner = self.owners[joint];
-            if owner == joint {
-                run.turns[joint]
-            } else {
-                (run.turns[owner] * clip.turns[owner].inverse() * clip.turns[joint]).normalize()
-            }
-        };
-        BodyPose { hips: run.hips, turns: (0..run.turns.len()).map(turn).collect() }
-    }
-
     /// The pose before its feet are put where they stand, and where they are in the run.
     fn unplanted(&self, run: &BodyPose, time: f64) -> BodyPose {
         let clip = self.stood.base.at(time).pose;
@@ -266,7 +253,7 @@ impl Laid {
             return clip;
         }
         let left = 1.0 - smooth3((time - self.struck) / LETS_GO);
-        let mut pose = self.with_clip(run, &clip);
+        let mut pose = with_clip(&self.owners, run, &clip);
         if left > 0.0 {
             for (turn, off) in pose.turns.iter_mut().zip(&self.off) {
                 *turn = (DQuat::IDENTITY.slerp(*off, left) * *turn).normalize();
@@ -331,37 +318,14 @@ impl Laid {
             let time = (tick as f64 * dt).min(end);
             let own = played.held_pose(body, run.anatomy, run.terrain, time);
             let pose = self.unplanted(&own, time);
-            let (own_positions, positions) = (own.positions(body), pose.positions(body));
-            let short = |side: Side| {
-                let leg = &run.anatomy.legs[side as usize];
-                let foot = self.foot(&Foot::of(body, &own, &own_positions, side), side, time);
-                let far = positions[leg.upper] - foot.ankle;
-                let long = STRAIGHTEST * leg.length();
-                let level = far.with_y(0.0).length_squared();
-                far.y - (long * long - level).max(0.0).sqrt()
-            };
-            short(Side::Left).max(short(Side::Right)).max(0.0)
+            let own_positions = own.positions(body);
+            let feet = Side::BOTH.map(|side| self.foot(&Foot::of(body, &own, &own_positions, side), side, time));
+            too_high(body, run.anatomy, &pose, &feet)
         };
         let needs: Vec<f64> = (0..played.run.len()).map(need).collect();
-        let reach = (LOWERS / dt).round() as usize;
-        let around = |values: &[f64], at: usize| [at.saturating_sub(reach), (at + reach).min(values.len() - 1)];
-        let most: Vec<f64> = (0..needs.len())
-            .map(|at| {
-                let [from, to] = around(&needs, at);
-                needs[from..=to].iter().copied().fold(0.0, f64::max)
-            })
-            .collect();
-        let mean = |at: usize| {
-            let [from, to] = around(&most, at);
-            most[from..=to].iter().sum::<f64>() / (to - from + 1) as f64
-        };
         // Both ends are the clip's.
-        let ends = |at: usize| {
-            let time = at as f64 * dt;
-            let back = if self.home.is_some() { smooth3((end - time) / LOWERS) } else { 1.0 };
-            smooth3(time / LOWERS) * back
-        };
-        self.lowered = (0..needs.len()).map(|at| mean(at) * ends(at)).collect();
+        let home = self.home.is_some();
+        self.lowered = lowered(&needs, dt, &|time| if home { smooth3((end - time) / LOWERS) } else { 1.0 });
     }
 
     /// What the feet hold, in order of start, left before right.
@@ -375,8 +339,51 @@ impl Laid {
     }
 }
 
+/// The run's pose with the clip's own turns of what no link turns about.
+pub(super) fn with_clip(owners: &[usize], run: &BodyPose, clip: &BodyPose) -> BodyPose {
+    let turn = |joint: usize| {
+        let owner = owners[joint];
+        if owner == joint {
+            run.turns[joint]
+        } else {
+            (run.turns[owner] * clip.turns[owner].inverse() * clip.turns[joint]).normalize()
+        }
+    };
+    BodyPose { hips: run.hips, turns: (0..run.turns.len()).map(turn).collect() }
+}
+
+/// m, by how much a body is too high for its legs to reach these feet.
+pub(super) fn too_high(body: &Body, anatomy: &Anatomy, pose: &BodyPose, feet: &[Foot; 2]) -> f64 {
+    let positions = pose.positions(body);
+    let short = |side: Side| {
+        let leg = &anatomy.legs[side as usize];
+        let far = positions[leg.upper] - feet[side as usize].ankle;
+        let long = STRAIGHTEST * leg.length();
+        let level = far.with_y(0.0).length_squared();
+        far.y - (long * long - level).max(0.0).sqrt()
+    };
+    short(Side::Left).max(short(Side::Right)).max(0.0)
+}
+
+/// m, how far a body goes down that is to be so much lower at each tick of `dt` s: not at all at first, and so much of it at the end.
+pub(super) fn lowered(needs: &[f64], dt: f64, ends: &dyn Fn(f64) -> f64) -> Vec<f64> {
+    let reach = (LOWERS / dt).round() as usize;
+    let around = |values: &[f64], at: usize| [at.saturating_sub(reach), (at + reach).min(values.len() - 1)];
+    let most: Vec<f64> = (0..needs.len())
+        .map(|at| {
+            let [from, to] = around(needs, at);
+            needs[from..=to].iter().copied().fold(0.0, f64::max)
+        })
+        .collect();
+    let mean = |at: usize| {
+        let [from, to] = around(&most, at);
+        most[from..=to].iter().sum::<f64>() / (to - from + 1) as f64
+    };
+    (0..needs.len()).map(|at| mean(at) * (smooth3(at as f64 * dt / LOWERS) * ends(at as f64 * dt))).collect()
+}
+
 /// Of each joint the joint that its link turns about.
-fn owners(body: &Body, joints: &[usize]) -> Vec<usize> {
+pub(super) fn owners(body: &Body, joints: &[usize]) -> Vec<usize> {
     let owner = |joint: usize| {
         let mut at = Some(joint);
         while let Some(joint) = at {

@@ -3,7 +3,7 @@
 //! The stepper has no part in it.
 
 use super::over::Course;
-use super::{Played, Run};
+use super::{Played, Run, walk};
 use crate::bake::base::{Base, Over, Stood};
 use crate::bake::perform::{Performance, check, style};
 use crate::bake::ragdoll::{self, Driven, Helped};
@@ -35,20 +35,24 @@ pub fn perform(
     }
     let anatomy = Anatomy::new(body);
     let over = base.map(|base| Over::new(base, body, &anatomy, scenario)).transpose()?;
-    let stood = over.and_then(|over| match over {
-        Over::Stand(stood) => Some(*stood),
-        Over::Walk(_) => None,
-    });
-    if let Some(part) = stood.as_ref().and_then(|stood| stood.unplayed(&anatomy)) {
+    let part = match &over {
+        Some(Over::Stand(stood)) => stood.unplayed(&anatomy),
+        Some(Over::Walk(walked)) => walk::unplayed(walked, body, &stand::physique(body, &anatomy)),
+        None => None,
+    };
+    if let Some(part) = part {
         return Err(BakeError::Unplayed { parts: part.into() });
     }
-    let driven = match &stood {
+    let driven = match &over {
         // A clip is not the same in the mirror.
-        Some(_) => run(body, scenario, seed, (helped, ahead), stood.as_ref())?,
+        Some(Over::Stand(stood)) => {
+            run(body, scenario, seed, (helped, ahead), Some(stood.as_ref()), &pushes::known(body, scenario))?
+        }
+        Some(Over::Walk(walked)) => walk::walk(body, scenario, seed, (helped, ahead), walked)?,
         None => driven(body, scenario, seed, (helped, ahead))?,
     };
     let physique = stand::physique(body, &anatomy);
-    let physique = stood.as_ref().map_or(physique, |stood| stood.physique(&physique));
+    let physique = over.as_ref().map_or(physique, |over| over.physique(&physique));
     let (carried, loads) = carried::carried(body, &anatomy, scenario);
     let known = pushes::known(body, scenario);
     let trace = driven.run.trace.clone();
@@ -60,10 +64,19 @@ pub fn perform(
     pushes.extend(balls.iter().filter_map(|ball| ball.hit).map(|hit| hit.push));
     pushes.sort_by(|a, b| a.start.total_cmp(&b.start));
     let terrain = Terrain::new(&scenario.ground);
-    let played = played(&driven, (scenario.duration, &pushes), (body, &anatomy), &terrain, stood);
+    let played = played(&driven, (scenario.duration, &pushes), (body, &anatomy), &terrain, over);
     let over = played.over();
     let contacts = played.contacts();
-    let (lost, com) = (trace.lost, trace.ticks[..=played.stands].iter().map(|tick| tick.com).collect());
+    let lost = trace.lost;
+    let com = (0..=played.stands).map(|tick| match &over {
+        // Before it is struck and at the end it is the clip.
+        Some(Over::Walk(_)) => {
+            let pose = played.pose_at(body, &anatomy, &terrain, tick as f64 * trace.dt);
+            pose.centre_of_mass(body, &pose.positions(body))
+        }
+        _ => trace.ticks[tick].com,
+    });
+    let com = com.collect();
     let mut timeline =
         Timeline::played(body, anatomy, (trace.dt, com), (&physique, &trace.start, &trace.steps), &terrain, played);
     (timeline.carried, timeline.loads, timeline.over) = (carried, loads, over);
@@ -85,13 +98,15 @@ pub fn perform(
 /// image are then the same run.
 fn driven(body: &Body, scenario: &Scenario, seed: u64, help: (Helped, Ahead)) -> Result<Driven, BakeError> {
     let (scenario, mirrored) = scenario.to_the_left();
+    let known = pushes::known(body, &scenario);
     if !mirrored {
-        return run(body, &scenario, seed, help, None);
+        return run(body, &scenario, seed, help, None, &known);
     }
     let (image, twins) = body.mirrored();
     // Who is the same on both sides plays both himself: what his file rounds would grow in a run.
     let player = if body.is_alike(&image) { body } else { &image };
-    let driven = run(player, &scenario, seed, help, None).map_err(in_the_mirror)?;
+    let known = pushes::known(player, &scenario);
+    let driven = run(player, &scenario, seed, help, None, &known).map_err(in_the_mirror)?;
     Ok(Driven { run: driven.run.mirrored(&twins), ..driven })
 }
 
@@ -107,13 +122,14 @@ fn in_the_mirror(error: BakeError) -> BakeError {
     }
 }
 
-/// The run of a scenario as it is.
-fn run(
+/// The run of a scenario as it is, under those pushes.
+pub(super) fn run(
     body: &Body,
     scenario: &Scenario,
     seed: u64,
     (helped, ahead): (Helped, Ahead),
     stood: Option<&Stood>,
+    known: &[(KnownPush, bool)],
 ) -> Result<Driven, BakeError> {
     let anatomy = Anatomy::new(body);
     let physique = stand::physique(body, &anatomy);
@@ -129,9 +145,8 @@ fn run(
         style: style(scenario),
         ..ArticulatedOptions::default()
     };
-    let known = pushes::known(body, scenario);
     let tosses = throws::tosses(scenario, seed);
-    ragdoll::run(body, &anatomy, &physique, scenario, &options, &known, &tosses, (&carried, &loads), helped, stood)
+    ragdoll::run(body, &anatomy, &physique, scenario, &options, known, &tosses, (&carried, &loads), helped, stood)
 }
 
 /// The run up to the clip's end; a fall that begins before it goes on until the body lies.
@@ -140,7 +155,7 @@ fn played(
     (duration, pushes): (f64, &[KnownPush]),
     (body, anatomy): (&Body, &Anatomy),
     terrain: &Terrain,
-    stood: Option<Stood>,
+    over: Option<Over>,
 ) -> Played {
     let run = &driven.run;
     let dt = run.trace.dt;
@@ -150,9 +165,14 @@ fn played(
     let last = if falls { run.poses.len() } else { stands + 1 };
     let input = Run { body, anatomy, terrain, dt, pressed: &run.pressed, stood: &run.stood, joints: &run.joints };
     let played = Played::new(&input, run.poses[..last].to_vec(), stands);
-    let Some(stood) = stood else { return played };
     let struck = pushes.iter().map(|push| push.start).fold(f64::INFINITY, f64::min);
-    let landed = run.trace.steps.iter().map(|step| step.land).fold(0.0, f64::max);
-    let busy = pushes.iter().map(|push| push.end).fold(landed, f64::max);
-    played.over_stand(&input, stood, &Course { struck, busy, stands: !falls })
+    let pushed = pushes.iter().map(|push| push.end).fold(0.0, f64::max);
+    match over {
+        Some(Over::Stand(stood)) => {
+            let busy = run.trace.steps.iter().map(|step| step.land).fold(pushed, f64::max);
+            played.over_stand(&input, *stood, &Course { struck, busy, stands: !falls })
+        }
+        Some(Over::Walk(walked)) => played.over_walk(&input, *walked, &run.trace.steps, (struck, pushed, !falls)),
+        None => played,
+    }
 }
