@@ -165,6 +165,45 @@ fn what_a_clip_of_a_walk_on_slippery_ground_asks_for_is_what_the_ground_has() {
     }
 }
 
+/// Walks of every pace over gaps, drawn, of the built-in body on short, usual and long legs and of other people's rigs. `kaykit_Knight` falls
+/// into them: its soles are longer than its steps.
+#[test]
+fn walks_of_every_pace_over_gaps_keep_their_feet() {
+    let load = |name: &str| surefoot::rig::load(&data::more()?.join("rigs").join(name)).ok();
+    let foreign = ["m2m_human_base_animations.glb", "vrm1_debug_robot.vrm"].map(load);
+    let clips: Vec<Baked> = (0..20_u64)
+        .into_par_iter()
+        .map(|seed| {
+            let mut draw = Seed::new(seed ^ 0x6A9);
+            let legs = [1.0, 0.7, 1.3, 1.0][seed as usize % 4];
+            let other = foreign[seed as usize / 4 % 2].as_ref().filter(|_| seed % 4 == 3);
+            let rig = other.cloned().unwrap_or_else(builtin);
+            let size: f64 = legs * rig.body.leg_length / 0.83;
+            let (width, spacing) = (draw.between(0.08, 0.2), draw.between(0.7, 1.3));
+            let speed = draw.between(0.3, 1.2) * size.sqrt();
+            let rest = format!(
+                "[ground]\nkind = \"gaps\"\nwidth = {:.3}\nspacing = {:.3}\n[character]\nleg_scale = {legs:.1}\n\
+                 [[walk]]\nstart = 0.5\nspeed = {speed:.2}\n",
+                width * size.min(1.0),
+                spacing * size.max(1.0)
+            );
+            let name = format!("{seed} gaps of {width:.2} every {spacing:.2} m at {speed:.2} legs {legs}");
+            held(&rig, &scenario(&name, 12.0, &rest)).1
+        })
+        .collect();
+    let mut mean = 0.0;
+    for clip in &clips {
+        let (report, found) = (&clip.report, clip.findings.as_ref().expect("it can be measured"));
+        mean += report.plausibility.score / clips.len() as f64;
+        assert_ne!(report.outcome, Outcome::Fall, "{}", report.scenario);
+        assert!(found.feet.penetration_max_mm < 6.0, "{}: {:.1} mm", report.scenario, found.feet.penetration_max_mm);
+        assert!(report.plausibility.score >= 0.8, "{}: {:.2}", report.scenario, report.plausibility.score);
+        assert!(found.feet.slip_max_mm < 2.0, "{}: slips {:.2} mm", report.scenario, found.feet.slip_max_mm);
+    }
+    println!("mean score {mean:.3}");
+    assert!(mean >= 0.9, "{mean:.3}");
+}
+
 #[test]
 fn feet_on_a_platform_turn_with_it_and_do_not_slip() {
     let rig = builtin();

@@ -204,7 +204,7 @@ pub fn both_down(
         let footfall = footfall::plan(params, physique, terrain, state, state.gait.side, (left_over, single), least);
         let wide = breadth(params, physique, state, inputs, (state.gait.side, &footfall)) > params.wide[1];
         let fits = footfall::fits(params, terrain, state);
-        if wide || footfall.off > if fits { STUMBLES * params.size } else { stumble(params, state) } {
+        if wide || footfall.off > if fits && params.fits { STUMBLES * params.size } else { stumble(params, state) } {
             state.gait.phase = Phase::Rest;
             return (false, None);
         }
