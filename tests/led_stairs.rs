@@ -129,8 +129,8 @@ fn kerbs_too_high_for_the_gait_are_descended() {
     let failed = flights(&climbers(), 0xD04E2B, true, (1, 0.101));
     // goal: none; of 92 drawn two fall, on legs of 1.15 that walk up at 0.23 m/s
     let fallen = failed.iter().filter(|fault| fault.ends_with("it falls")).count();
-    let others = failed.iter().filter(|fault| !fault.ends_with("it falls") && !fault.ends_with("its score")).count();
-    assert!(fallen <= 1 && others == 0, "{failed:#?}");
+    let scores = failed.iter().filter(|fault| fault.ends_with("its score")).count();
+    assert!(fallen <= 1 && scores <= fallen && failed.len() == fallen + scores, "{failed:#?}");
 }
 
 #[test]

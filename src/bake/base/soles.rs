@@ -54,7 +54,7 @@ impl Stood {
         }
         let positions = pose.positions(body);
         for side in Side::BOTH {
-            leg::reach(body, anatomy, &mut pose, &positions, side, &feet[side as usize]);
+            leg::reach(body, anatomy, &mut pose, &positions, (side, None), &feet[side as usize]);
         }
         let moved = pose.hips - before;
         (pose, moved)

@@ -239,7 +239,7 @@ impl<'a> Looped<'a> {
                 foot: a.foot.slerp(b.foot, over),
                 toe: a.toe.slerp(b.toe, over),
             };
-            reach(body, anatomy, &mut pose, &positions, side, &wanted);
+            reach(body, anatomy, &mut pose, &positions, (side, None), &wanted);
         }
         pose
     }

@@ -43,32 +43,9 @@ impl Foot {
     }
 }
 
-/// The same for a foot that may be far from where it was: the knee of a leg that is almost straight goes where the pelvis faces.
-pub fn reach_ahead(
-    body: &Body,
-    anatomy: &Anatomy,
-    pose: &mut BodyPose,
-    positions: &[DVec3],
-    side: Side,
-    wanted: &Foot,
-) -> f64 {
-    let ahead = pose.turns[0] * DVec3::Z;
-    reach_by(body, anatomy, pose, positions, (side, Some(ahead)), wanted)
-}
-
-/// Puts a foot there; `positions` are the joints' before. Returns by how much the leg is too short for it, m.
+/// Puts a foot there; `positions` are the joints' before. Returns by how much the leg is too short for it, m. `ahead`, for a foot that may
+/// be far from where it was: the knee of a leg that is almost straight goes that way.
 pub fn reach(
-    body: &Body,
-    anatomy: &Anatomy,
-    pose: &mut BodyPose,
-    positions: &[DVec3],
-    side: Side,
-    wanted: &Foot,
-) -> f64 {
-    reach_by(body, anatomy, pose, positions, (side, None), wanted)
-}
-
-fn reach_by(
     body: &Body,
     anatomy: &Anatomy,
     pose: &mut BodyPose,
@@ -130,7 +107,7 @@ mod tests {
         for by in [DVec3::new(0.004, 0.0, 0.0), DVec3::new(0.0, 0.01, -0.02), DVec3::new(0.0, -0.003, 0.0)] {
             let wanted = Foot { ankle: now.ankle + by, foot: DQuat::from_rotation_y(0.02), ..now };
             let mut moved = pose.clone();
-            reach(&body, &anatomy, &mut moved, &positions, Side::Left, &wanted);
+            reach(&body, &anatomy, &mut moved, &positions, (Side::Left, None), &wanted);
             let after = moved.positions(&body);
             assert!(after[leg.foot].distance(wanted.ankle) < 1e-9, "{by}");
             assert!(
@@ -140,7 +117,7 @@ mod tests {
             assert!(moved.turns[leg.foot].angle_between(wanted.foot) < 1e-9);
         }
         let mut same = pose.clone();
-        reach(&body, &anatomy, &mut same, &positions, Side::Left, &now);
+        reach(&body, &anatomy, &mut same, &positions, (Side::Left, None), &now);
         assert!(
             same.turns.iter().zip(&pose.turns).all(|(a, b)| a.angle_between(*b) < 1e-7),
             "nothing wanted, nothing done"

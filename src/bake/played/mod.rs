@@ -252,7 +252,7 @@ impl Played {
             }
             let now = leg::Foot::of(body, &pose, &positions, side).seen_from(ground);
             let wanted = held.at(&now, time).seen_from(ground.inverse());
-            let lacks = leg::reach(body, anatomy, &mut pose, &positions, side, &wanted);
+            let lacks = leg::reach(body, anatomy, &mut pose, &positions, (side, None), &wanted);
             short[side as usize] = held.holding(time).map_or(0.0, |_| lacks);
         }
         (bound(body, pose), short)
@@ -393,7 +393,14 @@ mod tests {
                 // Half a millimetre of tremble on top.
                 let tremble = DVec3::new(0.0005 * real::sin(37.0 * time), 0.0, slides * (2.0 * time).min(1.0));
                 let ankle = ball - DQuat::from_rotation_x(pitch) * (ball - now.ankle) + tremble;
-                leg::reach(body, anatomy, &mut pose, &positions, Side::Left, &leg::Foot { ankle, foot, toe: now.toe });
+                leg::reach(
+                    body,
+                    anatomy,
+                    &mut pose,
+                    &positions,
+                    (Side::Left, None),
+                    &leg::Foot { ankle, foot, toe: now.toe },
+                );
                 pose
             })
             .collect()

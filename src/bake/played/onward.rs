@@ -253,9 +253,10 @@ impl Onward {
         let mut pose = self.unplanted(run, time);
         pose.hips.y -= if self.lowered.is_empty() { 0.0 } else { sample(&self.lowered, self.dt, time) };
         let positions = pose.positions(body);
+        let ahead = pose.turns[0] * DVec3::Z;
         for side in Side::BOTH {
             let wanted = self.foot(body, run, side, time);
-            leg::reach_ahead(body, anatomy, &mut pose, &positions, side, &wanted);
+            leg::reach(body, anatomy, &mut pose, &positions, (side, Some(ahead)), &wanted);
         }
         bound(body, pose)
     }

@@ -302,7 +302,7 @@ impl Laid {
         let (own, positions) = (run.positions(body), pose.positions(body));
         for side in Side::BOTH {
             let wanted = self.foot(&Foot::of(body, run, &own, side), side, time);
-            leg::reach(body, anatomy, &mut pose, &positions, side, &wanted);
+            leg::reach(body, anatomy, &mut pose, &positions, (side, None), &wanted);
         }
         bound(body, pose)
     }
