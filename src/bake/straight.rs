@@ -13,6 +13,7 @@ use crate::measure::percentile;
 use crate::model::report::Part;
 use crate::model::{Role, Side, Target};
 use glam::DVec3;
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 /// m: the held points of a planted foot, of a person 1.75 m tall.
@@ -75,9 +76,19 @@ struct Watch<'a> {
 /// Tracks that get keys at the same times.
 struct Group<'a> {
     tracks: Vec<usize>,
-    holds: Vec<bool>, // (tracks) whether it is one of them
+    places: Vec<Option<usize>>, // (tracks) which of them it is, if any
     watches: Vec<Watch<'a>>,
 }
+
+/// How far off the straight lines from a frame to the next are, in their middle.
+#[derive(Clone, Copy)]
+struct Off {
+    planted: f64,  // m, of what contacts hold there, of a person's size
+    farthest: f64, // of what may be off, the most
+}
+
+/// By the times (s) of both frames: what is known of lines does not change while other frames are put in.
+type Offs = BTreeMap<[u32; 2], Off>;
 
 /// Chains with the places of their points at every frame.
 struct Posed {
@@ -106,8 +117,8 @@ impl Posed {
 impl<'a> Group<'a> {
     fn new(all: &[Track], tracks: impl Iterator<Item = usize>, watches: Vec<Watch<'a>>) -> Group<'a> {
         let moving: Vec<usize> = tracks.filter(|track| !all[*track].still).collect();
-        let holds = (0..all.len()).map(|track| moving.contains(&track)).collect();
-        Group { tracks: moving, holds, watches }
+        let places = (0..all.len()).map(|track| moving.iter().position(|moving| *moving == track)).collect();
+        Group { tracks: moving, places, watches }
     }
 
     /// Whether lines from one frame to another stay close to the frames between.
@@ -117,15 +128,20 @@ impl<'a> Group<'a> {
         let looked_at = inner.min(LOOKED_AT);
         (1..=looked_at).map(|part| from + (part * (inner + 1)) / (looked_at + 1)).all(|frame| {
             let share = (times[frame] - times[from]) / seconds;
-            let close = |track: &usize| {
+            let mut lines = Vec::with_capacity(self.tracks.len());
+            let mut close = |track: &usize| {
                 let track = &all[*track];
-                track.difference(&track.line(from, to, share), &track.frames[frame].value) <= allowed(track, seconds)
+                lines.push(track.line(from, to, share));
+                track.difference(&lines[lines.len() - 1], &track.frames[frame].value) <= allowed(track, seconds)
             };
-            let value = |track: usize| match self.holds[track] {
-                true => all[track].line(from, to, share),
-                false => all[track].reduced(times, frame, 0.0),
+            if !self.tracks.iter().all(&mut close) {
+                return false;
+            }
+            let value = |track: usize| match self.places[track] {
+                Some(place) => lines[place],
+                None => all[track].reduced(times, frame, 0.0),
             };
-            self.tracks.iter().all(close) && self.watches.iter().all(|watch| watch.is_close(frame, seconds, &value))
+            self.watches.iter().all(|watch| watch.is_close(frame, seconds, &value))
         })
     }
 }
@@ -197,10 +213,12 @@ impl Frames<'_> {
         ];
         let parts = Parts::new(self, legs, &trunk, &arms);
         let mut pace = f64::INFINITY;
+        let mut known = Offs::new();
         loop {
             let near = Near { size, pace };
             let mut rounds = 0..ROUNDS;
-            while rounds.next().is_some() && self.refine(contacts, legs, [&trunk, &arms[0], &arms[1]], near) {}
+            while rounds.next().is_some() && self.refine(contacts, legs, [&trunk, &arms[0], &arms[1]], near, &mut known)
+            {}
             self.lay_legs(contacts, legs, &parts, near);
             let sliding = self.sliding(contacts, legs);
             if sliding <= SLIDING || pace <= PACES[1] {
@@ -229,7 +247,14 @@ impl Frames<'_> {
     }
 
     /// Puts frames in where even lines from frame to frame would be off; whether there were any.
-    fn refine(&mut self, contacts: &[Held], legs: &[Chain; 2], upper: [&Chain; 3], near: Near) -> bool {
+    fn refine(
+        &mut self,
+        contacts: &[Held],
+        legs: &[Chain; 2],
+        upper: [&Chain; 3],
+        near: Near,
+        known: &mut Offs,
+    ) -> bool {
         let mut new = Vec::new();
         for at in 0..self.times.len() - 1 {
             let [from, to] = [self.times[at], self.times[at + 1]];
@@ -237,7 +262,10 @@ impl Frames<'_> {
             if most < 2.0 || self.bends(at) < BENT * near.size {
                 continue;
             }
-            let off = self.off_between(at, contacts, legs, upper, near);
+            let ends = [from.to_bits(), to.to_bits()];
+            let off = *known.entry(ends).or_insert_with(|| self.off_between(at, contacts, legs, upper, near.size));
+            // Half as long a line is off by a quarter, and its ends move half as fast.
+            let off = off.farthest.sqrt().max(4.0 * off.planted / (near.pace * f64::from(to - from)));
             let pieces = off.ceil().min(most) as usize;
             new.extend((1..pieces).map(|piece| from + (to - from) * (piece as f32 / pieces as f32)));
         }
@@ -245,15 +273,15 @@ impl Frames<'_> {
         !new.is_empty()
     }
 
-    /// Into how many pieces the lines from a frame to the next would have to be cut to be close enough.
-    fn off_between(&mut self, at: usize, contacts: &[Held], legs: &[Chain; 2], upper: [&Chain; 3], near: Near) -> f64 {
+    /// How far off the lines from a frame to the next are, of a body of that size.
+    fn off_between(&mut self, at: usize, contacts: &[Held], legs: &[Chain; 2], upper: [&Chain; 3], size: f64) -> Off {
         let [from, to] = [self.times[at], self.times[at + 1]];
         let exact = self.values_at(f64::from(from) + f64::from(to - from) / 2.0);
         let exact: Vec<Value> = exact.into_iter().map(stored).collect();
         let off = |chain: &Chain, sets: &[usize]| {
             let line = chain.places(sets, &|track| self.tracks[track].line(at, at + 1, 0.5));
             let exact = chain.places(sets, &|track| exact[track]);
-            line.iter().zip(&exact).map(|(line, exact)| line.distance(*exact)).fold(0.0, f64::max) / near.size
+            line.iter().zip(&exact).map(|(line, exact)| line.distance(*exact)).fold(0.0, f64::max) / size
         };
         let planted = contacts
             .iter()
@@ -265,8 +293,7 @@ impl Frames<'_> {
         let farthest = [planted / PLANTED, swung / SWUNG, trunk / TRUNK, left / HANDS, right / HANDS]
             .into_iter()
             .fold(0.0, f64::max);
-        // Half as long a line is off by a quarter, and its ends move half as fast.
-        farthest.sqrt().max(4.0 * planted / (near.pace * f64::from(to - from)))
+        Off { planted, farthest }
     }
 
     /// m, about: how far off lines between a frame and the next may be, by what bends from the one before to the one after.

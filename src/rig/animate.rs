@@ -50,6 +50,7 @@ pub struct Poser<'a> {
     order: Vec<usize>,               // parents first
     reference: Vec<Trs>,             // (nodes) local at rest
     reference_global: Vec<DAffine3>, // (nodes) scenario space
+    parent_axes: Vec<DMat3>,         // (nodes) orientation of the parent at rest
     drives: Vec<Option<Drive>>,      // (nodes)
     under_new_root: Vec<bool>,       // (nodes)
 }
@@ -210,7 +211,10 @@ impl<'a> Poser<'a> {
             .collect();
         let reference_global = rig.globals(&reference, &order);
         let under_new_root = rig.under(&rig.new_root_children(), &order);
-        Poser { rig, order, reference, reference_global, drives, under_new_root }
+        let base = rig.scenario_from_document();
+        let parent = |node: &RigNode| node.parent.map_or(base, |parent| reference_global[parent]);
+        let parent_axes = rig.nodes.iter().map(|node| orientation(&parent(node).matrix3)).collect();
+        Poser { rig, order, reference, reference_global, parent_axes, drives, under_new_root }
     }
 
     /// Which joint each node follows.
@@ -267,12 +271,10 @@ impl<'a> Poser<'a> {
         let mut globals = self.reference_global.clone();
         let mut turns = vec![DQuat::IDENTITY; locals.len()];
         for &node in &self.order {
-            let (parent_global, parent_turn, parent_rest) = match self.rig.nodes[node].parent {
-                Some(parent) => (globals[parent], turns[parent], self.reference_global[parent]),
-                None if carrier == RootCarrier::New && self.under_new_root[node] => {
-                    (moved * base, motion.rotation, base)
-                }
-                None => (base, DQuat::IDENTITY, base),
+            let (parent_global, parent_turn) = match self.rig.nodes[node].parent {
+                Some(parent) => (globals[parent], turns[parent]),
+                None if carrier == RootCarrier::New && self.under_new_root[node] => (moved * base, motion.rotation),
+                None => (base, DQuat::IDENTITY),
             };
             let (turn, position) = match &self.drives[node] {
                 _ if carrier == RootCarrier::Node(node) => {
@@ -286,7 +288,7 @@ impl<'a> Poser<'a> {
             };
             let local = &mut locals[node];
             if turn != parent_turn {
-                let relative = conjugate(&orientation(&parent_rest.matrix3), parent_turn.inverse() * turn);
+                let relative = conjugate(&self.parent_axes[node], parent_turn.inverse() * turn);
                 local.rotation = (relative * local.rotation).normalize();
             }
             if let Some(position) = position {

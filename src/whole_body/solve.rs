@@ -113,7 +113,10 @@ pub struct Solver<'a> {
     body: &'a Body,
     anatomy: &'a Anatomy,
     positions: Vec<DVec3>,
-    lower: Vec<usize>,
+    is_thumb: Vec<bool>,        // (joints)
+    is_lower: Vec<bool>,        // (joints) of a leg
+    lower: Vec<usize>,          // segments of the legs
+    held_toes: [Vec<usize>; 2], // joints that go with a foot: toes that its sole does not bend at
 }
 
 /// The largest part of the straight leg that a pose may use: past it the knee locks and pops.
@@ -129,14 +132,18 @@ impl<'a> Solver<'a> {
     /// For a body.
     pub fn new(body: &'a Body, anatomy: &'a Anatomy) -> Self {
         let roots = [anatomy.legs[0].upper, anatomy.legs[1].upper];
-        let mut lower = Vec::new();
-        for joint in 0..body.joints.len() {
-            let hangs = body.joints[joint].parent.is_some_and(|parent| lower.contains(&parent));
-            if roots.contains(&joint) || hangs {
-                lower.push(joint);
-            }
+        let mut is_lower = vec![false; body.joints.len()];
+        for (joint, shape) in body.joints.iter().enumerate() {
+            is_lower[joint] = roots.contains(&joint) || shape.parent.is_some_and(|parent| is_lower[parent]);
         }
-        Self { body, anatomy, positions: Vec::new(), lower }
+        let lower = (0..body.segments.len()).filter(|segment| is_lower[body.segments[*segment].joint]).collect();
+        let held_toes = Side::BOTH.map(|side| {
+            let leg = &anatomy.legs[side as usize];
+            let held = |joint: &usize| body.joints[*joint].parent == Some(leg.foot) && leg.toe != Some(*joint);
+            (0..body.joints.len()).filter(held).collect()
+        });
+        let is_thumb = body.joints.iter().map(|joint| joint.role.name().contains("Thumb")).collect();
+        Self { body, anatomy, positions: Vec::new(), is_thumb, is_lower, lower, held_toes }
     }
 
     /// The pose for a target.
@@ -166,7 +173,7 @@ impl<'a> Solver<'a> {
         pose.positions_into(body, &mut self.positions);
         let mut upper_moment = DVec3::ZERO;
         let mut upper_mass = 0.0;
-        for segment in body.segments.iter().filter(|segment| !self.lower.contains(&segment.joint)) {
+        for segment in body.segments.iter().filter(|segment| !self.is_lower[segment.joint]) {
             upper_moment += segment.mass * (self.positions[segment.joint] + pose.turns[segment.joint] * segment.centre);
             upper_mass += segment.mass;
         }
@@ -187,7 +194,7 @@ impl<'a> Solver<'a> {
                 hips[side as usize] = hip;
                 solved[side as usize] = leg;
             }
-            for segment in body.segments.iter().filter(|segment| self.lower.contains(&segment.joint)) {
+            for segment in self.lower.iter().map(|segment| &body.segments[*segment]) {
                 moment += segment.mass * (self.positions[segment.joint] + pose.turns[segment.joint] * segment.centre);
             }
             let miss = target.com - moment / mass;
@@ -252,10 +259,8 @@ impl<'a> Solver<'a> {
             put(turns, arm.lower, lower * arm.lower_down);
             put(turns, arm.hand, lower * arm.lower_down);
             for finger in &arm.fingers {
-                let joint = &self.body.joints[*finger];
-                let thumb = joint.role.name().contains("Thumb");
-                let parent = joint.parent.unwrap_or(0);
-                let share = if thumb { 0.3 } else { 1.0 };
+                let parent = self.body.joints[*finger].parent.unwrap_or(0);
+                let share = if self.is_thumb[*finger] { 0.3 } else { 1.0 };
                 // In the hanging hand the palm faces inwards: fingers curl about the hand's own fore-aft axis.
                 let axis = lower * DVec3::new(0.0, 0.0, -sign);
                 let turn = DQuat::from_axis_angle(axis, curl * share) * turns[parent];
@@ -264,7 +269,7 @@ impl<'a> Solver<'a> {
         }
         for joint in 1..turns.len() {
             if !set[joint]
-                && !self.lower.contains(&joint)
+                && !self.is_lower[joint]
                 && let Some(parent) = self.body.joints[joint].parent
             {
                 turns[joint] = turns[parent];
@@ -349,11 +354,9 @@ impl<'a> Solver<'a> {
             self.positions[toe] = chain.end + pose.turns[leg.foot] * body.offset(toe);
         }
         // Toes that the sole does not bend at go with the foot, held to it as a clip holds them.
-        for (joint, shape) in body.joints.iter().enumerate() {
-            if shape.parent == Some(leg.foot) && leg.toe != Some(joint) {
-                let held = over.map_or(DQuat::IDENTITY, |base| base.turns[leg.foot].inverse() * base.turns[joint]);
-                pose.turns[joint] = (pose.turns[leg.foot] * held).normalize();
-            }
+        for joint in &self.held_toes[side as usize] {
+            let held = over.map_or(DQuat::IDENTITY, |base| base.turns[leg.foot].inverse() * base.turns[*joint]);
+            pose.turns[*joint] = (pose.turns[leg.foot] * held).normalize();
         }
         (hip, chain)
     }
