@@ -165,43 +165,66 @@ fn what_a_clip_of_a_walk_on_slippery_ground_asks_for_is_what_the_ground_has() {
     }
 }
 
-/// Walks of every pace over gaps, drawn, of the built-in body on short, usual and long legs and of other people's rigs. `kaykit_Knight` falls
-/// into them: its soles are longer than its steps.
-#[test]
-fn walks_of_every_pace_over_gaps_keep_their_feet() {
+/// Walks over ground that is drawn for a size (legs over the reference body's), of the built-in body on short, usual and long legs and of other
+/// people's rigs: how they are called, and their clips.
+fn drawn(seed: u64, paces: [f64; 2], ground: impl Fn(&mut Seed, f64) -> String + Sync) -> Vec<(String, Baked)> {
     let load = |name: &str| surefoot::rig::load(&data::more()?.join("rigs").join(name)).ok();
     let foreign = ["m2m_human_base_animations.glb", "vrm1_debug_robot.vrm"].map(load);
-    let clips: Vec<Baked> = (0..20_u64)
-        .into_par_iter()
-        .map(|seed| {
-            let mut draw = Seed::new(seed ^ 0x6A9);
-            let legs = [1.0, 0.7, 1.3, 1.0][seed as usize % 4];
-            let other = foreign[seed as usize / 4 % 2].as_ref().filter(|_| seed % 4 == 3);
-            let rig = other.cloned().unwrap_or_else(builtin);
-            let size: f64 = legs * rig.body.leg_length / 0.83;
-            let (width, spacing) = (draw.between(0.08, 0.2), draw.between(0.7, 1.3));
-            let speed = draw.between(0.3, 1.2) * size.sqrt();
-            let rest = format!(
-                "[ground]\nkind = \"gaps\"\nwidth = {:.3}\nspacing = {:.3}\n[character]\nleg_scale = {legs:.1}\n\
-                 [[walk]]\nstart = 0.5\nspeed = {speed:.2}\n",
-                width * size.min(1.0),
-                spacing * size.max(1.0)
-            );
-            let name = format!("{seed} gaps of {width:.2} every {spacing:.2} m at {speed:.2} legs {legs}");
-            held(&rig, &scenario(&name, 12.0, &rest)).1
-        })
-        .collect();
-    let mut mean = 0.0;
-    for clip in &clips {
+    let one = |index: u64| {
+        let mut draw = Seed::new(index ^ seed);
+        let legs = [1.0, 0.7, 1.3, 1.0][index as usize % 4];
+        let other = foreign[index as usize / 4 % 2].as_ref().filter(|_| index % 4 == 3);
+        let rig = other.cloned().unwrap_or_else(builtin);
+        let size: f64 = legs * rig.body.leg_length / 0.83;
+        let ground = ground(&mut draw, size);
+        let speed = draw.between(paces[0], paces[1]) * size.sqrt();
+        let rest =
+            format!("[ground]\n{ground}[character]\nleg_scale = {legs:.1}\n[[walk]]\nstart = 0.5\nspeed = {speed:.2}\n");
+        let name = format!("{index}: {} at {speed:.2} m/s, legs {legs}", ground.replace('\n', " "));
+        let baked = held(&rig, &scenario(&name.replace('"', ""), 12.0, &rest)).1;
+        (name, baked)
+    };
+    (0..20_u64).into_par_iter().map(one).collect()
+}
+
+/// None falls or looks bad, soles stay over the ground and still; of their scores `least` each, `mean` of all.
+fn all_keep_their_feet(clips: &[(String, Baked)], [least, mean]: [f64; 2]) {
+    let mut all = 0.0;
+    for (name, clip) in clips {
         let (report, found) = (&clip.report, clip.findings.as_ref().expect("it can be measured"));
-        mean += report.plausibility.score / clips.len() as f64;
-        assert_ne!(report.outcome, Outcome::Fall, "{}", report.scenario);
-        assert!(found.feet.penetration_max_mm < 6.0, "{}: {:.1} mm", report.scenario, found.feet.penetration_max_mm);
-        assert!(report.plausibility.score >= 0.8, "{}: {:.2}", report.scenario, report.plausibility.score);
-        assert!(found.feet.slip_max_mm < 2.0, "{}: slips {:.2} mm", report.scenario, found.feet.slip_max_mm);
+        let (score, deep) = (report.plausibility.score, found.feet.penetration_max_mm);
+        println!("{name}: {:?}, {score:.2}, {deep:.1} mm deep, {:?}", report.outcome, report.plausibility.notes);
+        all += score / clips.len() as f64;
     }
-    println!("mean score {mean:.3}");
-    assert!(mean >= 0.9, "{mean:.3}");
+    println!("mean score {all:.3}");
+    for (name, clip) in clips {
+        let (report, found) = (&clip.report, clip.findings.as_ref().expect("it can be measured"));
+        assert_ne!(report.outcome, Outcome::Fall, "{name}");
+        assert!(found.feet.penetration_max_mm < 6.0, "{name}: {:.1} mm", found.feet.penetration_max_mm);
+        assert!(report.plausibility.score >= least, "{name}: {:.2}", report.plausibility.score);
+        assert!(found.feet.slip_max_mm < 2.0, "{name}: slips {:.2} mm", found.feet.slip_max_mm);
+    }
+    assert!(all >= mean, "{all:.3}");
+}
+
+/// `kaykit_Knight` falls into them: its soles are longer than its steps.
+#[test]
+fn walks_of_every_pace_over_gaps_keep_their_feet() {
+    let clips = drawn(0x6A9, [0.3, 1.2], |draw, size| {
+        let (width, spacing) = (draw.between(0.08, 0.2), draw.between(0.7, 1.3));
+        format!("kind = \"gaps\"\nwidth = {:.3}\nspacing = {:.3}\n", width * size.min(1.0), spacing * size.max(1.0))
+    });
+    all_keep_their_feet(&clips, [0.8, 0.9]);
+}
+
+#[test]
+fn walks_of_every_pace_over_flights_keep_their_feet() {
+    let clips = drawn(0xF119, [0.3, 0.9], |draw, size| {
+        let (rise, tread) = (draw.between(0.1, 0.17) * size.min(1.0), draw.between(0.28, 0.34));
+        let rise = if draw.between(0.0, 1.0) < 0.5 { rise } else { -rise };
+        format!("kind = \"stairs\"\nrise = {rise:.3}\ntread = {tread:.3}\ncount = 5\n")
+    });
+    all_keep_their_feet(&clips, [0.7, 0.85]);
 }
 
 #[test]

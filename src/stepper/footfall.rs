@@ -59,8 +59,8 @@ pub fn plan(
 
 /// Are steps timed so that they land off the edges of the ground?
 pub fn fits(params: &Params, terrain: &Terrain, state: &State) -> bool {
-    let broken = || state.gait.broken || kerb::near(params, terrain, state);
-    !state.gait.spot && (terrain.has_gaps() || params.fits && broken())
+    let edged = || params.fits && state.gait.broken || kerb::near(params, terrain, state);
+    !state.gait.spot && (terrain.has_gaps() || edged())
 }
 
 /// m of the reference body: a landing over a gap, and one before it, are that far apart at least; which it is is chosen before the foot leaves.
@@ -101,15 +101,31 @@ fn fitted(
     let gone = swing.map_or(0.0, |swing| state.time - swing.lift);
     let usual = wait + (rhythm.step - rhythm.double - gone).max(0.0);
     let natural = ground(landing(params, physique, state, &rhythm, side, (wait, time)).plant.ankle).y;
-    let kerb = terrain.has_treads() || kerb::near(params, terrain, state);
+    // the pendulum alone lands where a whole sole is held, wherever that is
+    let kerb = params.fits && (terrain.has_treads() || kerb::near(params, terrain, state));
     let edge = kerb.then(|| kerb::ahead(params, physique, terrain, state, (&rhythm, side), natural));
     let chosen = edge.flatten();
     let [untimely, waits] = if chosen.is_some() { [PATIENT, 0.0] } else { [UNTIMELY, WAITS] };
-    let held = |times: (f64, f64)| {
+    let mut floors: Vec<[f64; 2]> = Vec::new();
+    let mut floor = |x: f64, z: f64| {
+        let known = floors.iter().find(|[from, to]| *from <= z && z < *to).copied();
+        known.or_else(|| {
+            let found = terrain.floor_at(DVec2::new(x, z))?;
+            floors.push(found);
+            Some(found)
+        })
+    };
+    let mut held = |times: (f64, f64)| {
         let found = landing(params, physique, state, &rhythm, side, times);
         let ankle = ground(found.plant.ankle);
         let lands = state.time + times.0 + times.1;
-        let there = footing::rocked(terrain, physique, &by, ankle, (found.plant.yaw, lands));
+        let there = if terrain.is_mesh() && !params.fits {
+            // as on stairs by name: to look for a whole sole in each of these places takes 20 times as long
+            let on = footing::held_on(terrain, physique, ankle, found.plant.yaw, &mut |z| floor(ankle.x, z));
+            kerb::stood(terrain, physique, on, found.plant.yaw)
+        } else {
+            footing::rocked(terrain, physique, &by, ankle, (found.plant.yaw, lands))
+        };
         let elsewhere = |swing: &Swing| ground(swing.to.ankle).distance(ground(there.ankle)) > ELSEWHERE * params.size;
         let plant = match chosen {
             Some(z) => kerb::stood(terrain, physique, DVec2::new(ankle.x, z), found.plant.yaw),

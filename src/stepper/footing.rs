@@ -91,11 +91,22 @@ pub fn beneath(terrain: &Terrain, physique: &Physique, ankle: DVec3, (yaw, time)
 
 /// The nearest place along Z where the sole is on one tread, or on one side of a gap.
 fn held(terrain: &Terrain, physique: &Physique, ankle: DVec2, yaw: f64) -> DVec2 {
+    held_on(terrain, physique, ankle, yaw, &mut |z| terrain.floor(z))
+}
+
+/// The same where `floor` says from where to where, along Z, the floor at a place reaches.
+pub fn held_on(
+    terrain: &Terrain,
+    physique: &Physique,
+    ankle: DVec2,
+    yaw: f64,
+    floor: &mut dyn FnMut(f64) -> Option<[f64; 2]>,
+) -> DVec2 {
     let (toe, wide) = (real::cos(yaw), (real::sin(yaw) * physique.half_width).abs());
     let (one, two) = (toe * physique.heel, toe * physique.tip);
     let (rear, front) = (one.min(two) - wide - EDGE, one.max(two) + wide + EDGE);
     let middle = ankle.y + 0.5 * (rear + front);
-    let Some([from, to]) = terrain.floor(middle) else { return ankle };
+    let Some([from, to]) = floor(middle) else { return ankle };
     let (low, high) = (from - rear, to - front);
     if low <= high {
         return DVec2::new(ankle.x, ankle.y.clamp(low, high));
