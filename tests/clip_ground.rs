@@ -178,8 +178,9 @@ fn drawn(seed: u64, paces: [f64; 2], ground: impl Fn(&mut Seed, f64) -> String +
         let size: f64 = legs * rig.body.leg_length / 0.83;
         let ground = ground(&mut draw, size);
         let speed = draw.between(paces[0], paces[1]) * size.sqrt();
-        let rest =
-            format!("[ground]\n{ground}[character]\nleg_scale = {legs:.1}\n[[walk]]\nstart = 0.5\nspeed = {speed:.2}\n");
+        let rest = format!(
+            "[ground]\n{ground}[character]\nleg_scale = {legs:.1}\n[[walk]]\nstart = 0.5\nspeed = {speed:.2}\n"
+        );
         let name = format!("{index}: {} at {speed:.2} m/s, legs {legs}", ground.replace('\n', " "));
         let baked = held(&rig, &scenario(&name.replace('"', ""), 12.0, &rest)).1;
         (name, baked)

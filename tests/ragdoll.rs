@@ -237,9 +237,15 @@ fn what_it_cannot_play_is_named_and_never_left_out() {
             "[ground]\nkind = 'gaps'\nwidth = 0.2\nspacing = 1.2\n[[walk]]\nstart = 0.5\nspeed = 0.5\nfacing = 180",
             "straight ahead",
         ),
-        ("[[crouch]]\nstart = 0.5\namount = 0.1\n[[turn]]\nstart = 0.5\nfacing = 90", "[[crouch]] beside"),
+        ("[[crouch]]\nstart = 0.5\namount = 0.35\n[[turn]]\nstart = 0.5\nfacing = 90", "more than 0.3 beside"),
         ("[[crouch]]\nstart = 0.5\namount = 0.5", "[[crouch]]"),
-        ("[character]\ncrouch = 0.5", "[character] crouch"),
+        ("[character]\ncrouch = 0.5", "[[crouch]] by more than 0.4"),
+        ("[character]\ncrouch = 0.2\n[ground]\nkind = 'slope'\nangle = 5", "[character] crouch on ground"),
+        (
+            "[character]\ncrouch = 0.2\n[[walk]]\nstart = 0.5\nspeed = 0.6\nfacing = 180",
+            "backwards or sideways at more than 0.3",
+        ),
+        ("[character]\ncrouch = 0.2\n[[walk]]\nstart = 0.5\nspeed = 1.1", "1 m/s beside [[crouch]]"),
     ] {
         let scenario = parse("x.toml", &format!("{scenario}{lane}\n")).expect("a scenario");
         let error = bake(&built_in(), &scenario, &BakeOptions { drive, ..BakeOptions::default() }).map(|_| ());

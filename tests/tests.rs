@@ -74,6 +74,8 @@ mod hostile;
 mod keys;
 /// Balls, boxes, and how long a recovery takes.
 mod lanes;
+/// The articulated body crouched: walks, and crouches in the midst of other lanes.
+mod led_crouch;
 /// The articulated body walking, turning and on one foot on slopes, gaps and uneven ground, shoved.
 mod led_ground;
 /// Turns on the spot by both drives, and deep crouches.

@@ -90,7 +90,7 @@ pub(super) fn run(
     let hold = |time: f64| carried::hold(carried, loads, time);
     let script = Script::of(scenario, Vec::new());
     let lanes = [scenario.walk.len(), scenario.turn.len(), scenario.crouch.len(), scenario.stand.len()];
-    let led = lanes != [0; 4];
+    let led = lanes != [0; 4] || scenario.character.crouch > 0.0;
     let intent = |time: f64| led.then(|| script.intent(time));
     let flat = stood.map(|stood| stood.on_soles(body, anatomy));
     let goal = |time: f64| {

@@ -218,7 +218,8 @@ impl Frames<'_> {
             let near = Near { size, pace };
             let mut rounds = 0..ROUNDS;
             while rounds.next().is_some() && self.refine(contacts, legs, [&trunk, &arms[0], &arms[1]], near, &mut known)
-            {}
+            {
+            }
             self.lay_legs(contacts, legs, &parts, near);
             let sliding = self.sliding(contacts, legs);
             if sliding <= SLIDING || pace <= PACES[1] {

@@ -5,13 +5,18 @@ use super::crossed::{Crossed, crossed};
 use crate::maths::real;
 use crate::model::scenario::{GroundKind, Scenario, Stepper, Walk};
 use crate::model::{Body, BodyPose};
-use crate::ragdoll::{Figure, Locks};
+use crate::ragdoll::{Figure, Locks, crouch};
 use crate::sim::FASTEST;
+use crate::whole_body::{Anatomy, Solver, stand};
 
 /// By which a tilt (rad), or a length, share or speed, may be over a bound for what it was rounded to.
 const ROUNDED: f64 = 1e-9;
 /// Share of the leg, on level ground and elsewhere: of 40 crouches to 0.5 on five bodies one took steps, at 0.47.
 const LOWEST: [f64; 2] = [0.4 + ROUNDED, 0.2 + ROUNDED];
+/// The same beside other lanes; m/s at legs of usual length, Froude-equal at others: so fast are its walks, and those backwards and sideways.
+const LOWEST_GOING: f64 = 0.3 + ROUNDED;
+const CROUCHED: f64 = 1.0;
+const CROUCHED_ASIDE: f64 = 0.3;
 /// `leg_scale` from which on legs are so long that a crouch of a quarter of them takes steps, and does not always rise (1.3).
 const LENGTHENED: f64 = 1.15;
 /// rad: slopes are walked across, and turned on, to here; and up, by feet that do not bend, on whose balls nobody stands.
@@ -99,22 +104,44 @@ pub(super) fn unplayed(scenario: &Scenario, base: Option<&Base>) -> Vec<&'static
         GroundKind::Mesh { .. } => on_mesh(scenario, &mut parts),
     }
     let [walks, turns, stands] = [!scenario.walk.is_empty(), !scenario.turn.is_empty(), !scenario.stand.is_empty()];
-    let crouches = !scenario.crouch.is_empty();
+    let crouches = lowest(scenario) > 0.0;
     parts.add(scenario.walk.iter().any(|walk| walk.speed > FASTEST), "[[walk]] at more than 1.3 m/s");
-    let deep = |most: f64| scenario.crouch.iter().any(|crouch| crouch.amount > most);
-    let level = scenario.ground.kind == GroundKind::Flat;
-    parts.add(deep(LOWEST[0]), "[[crouch]] by more than 0.4");
-    parts.add(!level && deep(LOWEST[1]), "[[crouch]] by more than 0.2 on ground that is not flat");
-    let long = scenario.character.leg_scale > LENGTHENED;
-    parts.add(level && long && deep(LOWEST[1]), "[[crouch]] by more than 0.2 on lengthened legs");
-    parts.add(crouches && (walks || turns || stands), "[[crouch]] beside [[walk]], [[turn]] or [[stand]]");
-    parts.add(scenario.character.crouch > 0.0, "[character] crouch");
+    on_crouch(scenario, &mut parts);
     let over = base.is_some() || scenario.base.is_some();
     let lanes = walks || turns || stands || crouches || !scenario.carry.is_empty();
     parts.add(over && lanes, "[base] beside [[walk]], [[turn]], [[crouch]], [[stand]] or [[carry]]");
     parts.add(over && scenario.ground.kind != GroundKind::Flat, "[base] on ground that is not flat");
     on_stepper(scenario, &mut parts);
     parts.0
+}
+
+/// How low it is meant to go, of its leg.
+fn lowest(scenario: &Scenario) -> f64 {
+    scenario.crouch.iter().map(|crouch| crouch.amount).fold(scenario.character.crouch, f64::max)
+}
+
+fn on_crouch(scenario: &Scenario, parts: &mut Parts) {
+    let [low, low_at_first] = [lowest(scenario), scenario.character.crouch];
+    if low <= 0.0 {
+        return;
+    }
+    let level = scenario.ground.kind == GroundKind::Flat;
+    let long = scenario.character.leg_scale > LENGTHENED;
+    let walks = |cannot: &dyn Fn(&Walk) -> bool| scenario.walk.iter().any(|walk| walk.speed > 0.0 && cannot(walk));
+    let lanes = [scenario.walk.is_empty(), scenario.turn.is_empty(), scenario.stand.is_empty()] != [true; 3];
+    parts.add(low > LOWEST[0], "[[crouch]] by more than 0.4");
+    parts.add(!level && low > LOWEST[1], "[[crouch]] by more than 0.2 on ground that is not flat");
+    parts.add(level && long && low > LOWEST[1], "[[crouch]] by more than 0.2 on lengthened legs");
+    parts.add(!level && low_at_first > 0.0, "[character] crouch on ground that is not flat");
+    parts.add(!level && lanes, "[[crouch]] beside [[walk]], [[turn]] or [[stand]] on ground that is not flat");
+    parts.add(lanes && low > LOWEST_GOING, "[[crouch]] by more than 0.3 beside [[walk]], [[turn]] or [[stand]]");
+    let [fastest, aside_by] =
+        [CROUCHED, CROUCHED_ASIDE].map(|speed| speed * scenario.character.leg_scale.sqrt() + ROUNDED);
+    parts.add(walks(&|walk| walk.speed > fastest), "[[walk]] at more than 1 m/s beside [[crouch]]");
+    parts.add(
+        walks(&|walk| aside(walk) && walk.speed > aside_by),
+        "[[walk]] backwards or sideways at more than 0.3 m/s beside [[crouch]]",
+    );
 }
 
 /// Does it face elsewhere than it goes?
@@ -133,8 +160,27 @@ impl Parts {
     }
 }
 
+/// What of it another body could play, but not this one.
+pub(super) fn unfit(scenario: &Scenario, body: &Body) -> Option<&'static str> {
+    unbent(scenario, body).or_else(|| stiff(scenario, body))
+}
+
+/// Ankles that keep their heels down over a crouch only under a trunk that is bent double.
+fn stiff(scenario: &Scenario, body: &Body) -> Option<&'static str> {
+    let low = lowest(scenario);
+    if low <= 0.0 || !scenario.walk.iter().any(|walk| walk.speed > 0.0) {
+        return None;
+    }
+    let anatomy = Anatomy::new(body);
+    let physique = stand::physique(body, &anatomy);
+    let standing = Solver::new(body, &anatomy).solve(&stand::natural_stand(body, &physique)).pose;
+    let figure = Figure::new(body, &standing, Locks::default());
+    let stiff = !crouch::suffices(&figure, low * physique.leg_length);
+    stiff.then_some("[[walk]] beside a [[crouch]] that its ankles are too stiff for")
+}
+
 /// What of it only feet that bend play, if they do not.
-pub(super) fn unbent(scenario: &Scenario, body: &Body) -> Option<&'static str> {
+fn unbent(scenario: &Scenario, body: &Body) -> Option<&'static str> {
     let walks = |cannot: &dyn Fn(&Walk) -> bool| scenario.walk.iter().any(|walk| walk.speed > 0.0 && cannot(walk));
     let part = match scenario.ground.kind {
         GroundKind::Slope { angle } if walks(&|walk| real::tan(angle) * real::cos(walk.heading) > real::tan(STEEP)) => {

@@ -4,6 +4,7 @@
 //! that the soles can give fix the pelvis's acceleration; inverse dynamics turns it all into joint torques, given to the
 //! world as springs whose rests meet them at the end of the tick, so that what is not foreseen is resisted (`joints`).
 
+use super::crouch;
 use super::dynamics::{Acceleration, LegMap, Motion};
 use super::figure::Figure;
 use super::forces::{Corner, Forces, Wanted};
@@ -151,6 +152,14 @@ impl Controller {
         self.uphill = slope::lean(self.faces_up(terrain));
     }
 
+    /// It stands so much lower than the figure does already, m.
+    pub fn stands_low(&mut self, figure: &Figure, terrain: &Terrain, by: f64) {
+        self.lower = by;
+        self.pelvis_height += by;
+        self.stand_height += by;
+        self.leans = slope::lowered(figure, terrain, by);
+    }
+
     /// For a figure that stands.
     pub fn new(figure: &Figure, world: &World, tuning: Tuning) -> Controller {
         let mut states = Vec::new();
@@ -206,6 +215,11 @@ impl Controller {
             upper_inertia: figure.links[figure.trunk].carried + figure.links[0].carried.min(3.0),
             middle,
         }
+    }
+
+    /// m, by how much its trunk's lean over a crouch lowers its centre of mass.
+    pub fn stoops(&self, figure: &Figure) -> f64 {
+        crouch::sinks(figure, self.lower, self.leans - self.uphill)
     }
 
     /// Where the links are, as last read.

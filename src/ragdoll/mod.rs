@@ -2,6 +2,7 @@
 
 mod bulk;
 pub mod control;
+pub mod crouch;
 pub mod dynamics;
 pub mod fall;
 pub mod figure;

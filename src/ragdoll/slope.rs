@@ -5,6 +5,7 @@
 //! the trunk leans forwards, which brings the hips back, and balance is held over a point nearer to the heel.
 
 use super::control::Controller;
+use super::crouch;
 use super::figure::{Figure, Link, Part};
 use super::flat;
 use crate::maths::real;
@@ -50,6 +51,12 @@ pub fn straightened(used: f64, rise: f64) -> f64 {
     used + (STRAIGHT - used).max(0.0) * (rise / STEEP).min(1.0)
 }
 
+/// rad about x, by which the trunk leans of a body of which the pelvis is held that much lower, m, on that ground.
+pub fn lowered(figure: &Figure, terrain: &Terrain, by: f64) -> f64 {
+    let least = CROUCHES * by / figure.leg_length;
+    if terrain.is_flat() { crouch::lean(figure, by).max(least) } else { least }
+}
+
 impl Controller {
     /// The rise of the ground under the pelvis where it faces.
     pub(super) fn faces_up(&self, terrain: &Terrain) -> f64 {
@@ -64,7 +71,7 @@ impl Controller {
             + self.guide.map_or(0.0, |guide| guide.lean)
             - self.uphill)
             * share;
-        self.leans = self.uphill + CROUCHES * self.lower / figure.leg_length;
+        self.leans = self.uphill + lowered(figure, terrain, self.lower);
     }
 
     /// The trunk's lean as a turn.

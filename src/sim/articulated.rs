@@ -21,7 +21,7 @@ use crate::ragdoll::{Figure, Locks, slope};
 use crate::stepper::{Inputs, Style};
 use crate::whole_body::reaction::Personality;
 use crate::whole_body::solve::{Hold, PoseTarget};
-use crate::whole_body::{Anatomy, Solver, stand};
+use crate::whole_body::{Anatomy, ArmAngles, Solver, stand};
 use glam::{DQuat, DVec2, DVec3};
 
 /// Share of the standing height under which the centre of mass has fallen (DESIGN, "fallen").
@@ -194,12 +194,13 @@ pub fn simulate_with(
         None => Figure::new(body, &standing, Locks::default()),
     };
     let target = (things.hold)(0.0).map_or(level, |hold| level.holding(hold));
+    let course = Course { figure: &figure, body, anatomy, physique, terrain, pushes, things, level, start: plants };
     let first = match &things.ease {
         Some(ease) => ease.stand.clone(),
+        None if course.crouched() > 0.0 => low(&course, &standing, &target),
         None => on_ground(body, anatomy, physique, terrain, &plants, &target)
             .unwrap_or_else(|| Solver::new(body, anatomy).solve(&target).pose),
     };
-    let course = Course { figure: &figure, body, anatomy, physique, terrain, pushes, things, level, start: plants };
     let mut run = Run::new(&course, &first, options)?;
     run.control.assist = assist;
     play(&course, run, options)
@@ -329,6 +330,27 @@ fn on_ground(
     let normals = plants.map(|plant| ground.spot(DVec2::new(plant.ankle.x, plant.ankle.z)).normal);
     uphill(body, anatomy, (normals[0] + normals[1]).normalize_or(DVec3::Y), &mut target);
     Some(Solver::new(body, anatomy).solve(&target).pose)
+}
+
+/// The stand on level ground with the pelvis as low and leant as it begins.
+fn low(course: &Course, standing: &BodyPose, level: &PoseTarget) -> BodyPose {
+    let by = course.crouched() * course.physique.leg_length;
+    let leans = slope::lowered(course.figure, course.terrain, by);
+    let lean = DQuat::from_rotation_x(leans);
+    // Arms hang.
+    let arms = level.arms.map(|arm| ArmAngles { raise: arm.raise + leans, ..arm });
+    let mut target = PoseTarget { pelvis: level.pelvis * lean, chest: level.chest * lean, arms, ..*level };
+    let mut solver = Solver::new(course.body, course.anatomy);
+    let (mut lowest, mut highest) = (0.3 * level.com.y, level.com.y);
+    for _ in 0..30 {
+        target.com.y = 0.5 * (lowest + highest);
+        if solver.solve(&target).pose.hips.y > standing.hips.y - by {
+            highest = target.com.y
+        } else {
+            lowest = target.com.y
+        }
+    }
+    solver.solve(&target).pose
 }
 
 /// Share of a leg's length that a stand uses, as on level ground ([`stand::physique`]).

@@ -47,18 +47,17 @@ pub(super) struct Pilot {
 impl Pilot {
     /// At rest, as the body stands at first.
     pub(super) fn new(course: &Course, style: &Style, dt: f64) -> Pilot {
-        Pilot {
-            session: Session::embodied(course.physique, course.terrain, style, course.figure.balls_ahead(), dt),
-            led: false,
-            lacks: DVec2::ZERO,
-            mean: DVec2::ZERO,
-            asked: DVec2::ZERO,
-        }
+        let mut session = Session::embodied(course.physique, course.terrain, style, course.figure.balls_ahead(), dt);
+        session.crouched(course.crouched());
+        Pilot { session, led: false, lacks: DVec2::ZERO, mean: DVec2::ZERO, asked: DVec2::ZERO }
     }
 
     /// The plan for the coming tick: sets what guides the law, or that nothing does.
     pub(super) fn lead(&mut self, course: &Course, control: &mut Controller, inputs: &Inputs, force: DVec3) {
         self.session.bend_to(inputs.crouch);
+        if course.terrain.is_flat() {
+            self.session.stoop(control.stoops(course.figure));
+        }
         let most = SINKS * self.session.pace() * self.session.dt();
         control.lower += (self.session.lowered() - control.lower).clamp(-most, most);
         control.going = inputs.walk.unwrap_or_default();

@@ -271,6 +271,6 @@ pub(super) fn state_of(
         facing: yaw_of(states[figure.trunk].turn),
         walk: DVec2::ZERO,
         gait: Phase::Rest,
-        crouched: 0.0,
+        crouched: control.lower,
     }
 }

@@ -55,6 +55,11 @@ impl Course<'_> {
     pub(super) fn led(&self) -> bool {
         (self.things.intent)(0.0).is_some()
     }
+
+    /// Share of its leg by which it stands lower when it begins.
+    pub(super) fn crouched(&self) -> f64 {
+        (self.things.intent)(0.0).filter(|_| self.terrain.is_flat()).map_or(0.0, |intent| intent.crouch)
+    }
 }
 
 /// The body and all that changes with it.
@@ -88,7 +93,7 @@ pub(super) struct Ticked {
     pub(super) ground: Terrain,
     /// More than its feet is on the ground.
     pub(super) lies: bool,
-    /// The centre of mass over the ground, of its height in the stand.
+    /// The centre of mass over the ground, of its height in a stand, or a crouch, as low as it is to be.
     pub(super) height: f64,
 }
 
@@ -121,6 +126,7 @@ impl Run {
             .map_err(|error| BrokenBody { time: 0.0, what: error.to_string() })?;
         let mut control = Controller::new(figure, &world, tuning_of(&options.personality));
         control.stands_on(figure, course.terrain);
+        control.stands_low(figure, course.terrain, course.crouched() * course.physique.leg_length);
         if course.things.ease.is_some() {
             let splay = course.start.map(|plant| plant.yaw);
             control.stance =
@@ -202,7 +208,7 @@ impl Run {
             pose: pose_of(figure, self.control.states()),
             pressed,
             lies: self.world.lies_on(figure, self.control.states(), &ground).is_some(),
-            height: over / course.physique.com_height,
+            height: over / (course.physique.com_height - self.control.lower),
             ground,
         }
     }

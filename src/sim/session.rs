@@ -64,6 +64,7 @@ pub struct Session {
     style: Style,
     whole: Physique,
     crouch: Spring,
+    stoop: f64, // m, how much lower its centre of mass is than its hips are, for the lean of its trunk
     embodied: bool,
     balls: Option<f64>, // m, as in the parameters
     patience: f64,
@@ -84,6 +85,7 @@ impl Session {
             style: *style,
             whole: *physique,
             crouch: Spring::default(),
+            stoop: 0.0,
             embodied: false,
             balls: None,
             patience: 1.0,
@@ -123,6 +125,14 @@ impl Session {
     pub fn face(&mut self, facing: f64) {
         self.state.facing = facing;
         self.state.ahead = support::forward(facing);
+    }
+
+    /// From now on its trunk leans so that its centre of mass is so much lower, m, than its hips are by themselves.
+    pub fn stoop(&mut self, by: f64) {
+        if self.stoop != by {
+            self.stoop = by;
+            self.adapt();
+        }
     }
 
     /// m, how much lower it is than it stands.
@@ -192,7 +202,7 @@ impl Session {
     fn adapt(&mut self) {
         let lower = self.crouch.x * self.whole.leg_length;
         self.physique = Physique {
-            com_height: self.whole.com_height - lower,
+            com_height: self.whole.com_height - lower - self.stoop,
             hip_height: self.whole.hip_height - lower,
             leg_length: self.whole.leg_length - lower,
             ..self.whole

@@ -8,7 +8,7 @@ use crate::bake::base::{Base, Over, Stood};
 use crate::bake::perform::{Performance, check, style};
 use crate::bake::ragdoll::{self, Driven, Helped};
 use crate::bake::timeline::Timeline;
-use crate::bake::unplayed::{unbent, unplayed};
+use crate::bake::unplayed::{unfit, unplayed};
 use crate::bake::{BakeError, carried, pushes, throws};
 use crate::measure::KnownPush;
 use crate::model::scenario::Scenario;
@@ -30,7 +30,7 @@ pub fn perform(
     if !unplayed.is_empty() {
         return Err(BakeError::Unplayed { parts: unplayed.join(", ") });
     }
-    if let Some(part) = unbent(scenario, body) {
+    if let Some(part) = unfit(scenario, body) {
         return Err(BakeError::Unplayed { parts: part.into() });
     }
     let anatomy = Anatomy::new(body);
