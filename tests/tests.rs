@@ -95,6 +95,7 @@ mod looped;
 /// What the measures say of a walk over force plates.
 mod measure;
 /// Grounds of triangles: kerbs, ramps, steps, ledges, walls.
+mod mesh_drawn;
 mod mesh_ground;
 /// Their files: broken ones, where they are found, how fast they answer.
 mod mesh_led;

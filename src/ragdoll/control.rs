@@ -135,6 +135,8 @@ pub struct Controller {
     pub lower: f64,
     /// m/s, what of its speed corrective steps are to keep, (x, z).
     pub going: DVec2,
+    /// Whether it takes steps some time by what is meant: in a crouch its trunk leans for that.
+    pub goes: bool,
     /// How it stands when it is at ease, where that is not side by side.
     pub stance: Option<Stance>,
     pub(super) guided: bool, // the swing under way is the guide's
@@ -157,7 +159,7 @@ impl Controller {
         self.lower = by;
         self.pelvis_height += by;
         self.stand_height += by;
-        self.leans = slope::lowered(figure, terrain, by);
+        self.leans = slope::lowered(figure, terrain, by, self.goes);
     }
 
     /// For a figure that stands.
@@ -189,6 +191,7 @@ impl Controller {
             uphill: 0.0,
             treads: false,
             leans: 0.0,
+            goes: false,
             aimed: states[0].origin.y,
             heading: yaw_of(states[0].turn),
             facing: yaw_of(states[0].turn),

@@ -51,10 +51,10 @@ pub fn straightened(used: f64, rise: f64) -> f64 {
     used + (STRAIGHT - used).max(0.0) * (rise / STEEP).min(1.0)
 }
 
-/// rad about x, by which the trunk leans of a body of which the pelvis is held that much lower, m, on that ground.
-pub fn lowered(figure: &Figure, terrain: &Terrain, by: f64) -> f64 {
+/// rad about x, by which the trunk leans of a body of which the pelvis is held that much lower, m, on that ground; `goes`: and that takes steps.
+pub fn lowered(figure: &Figure, terrain: &Terrain, by: f64, goes: bool) -> f64 {
     let least = CROUCHES * by / figure.leg_length;
-    if terrain.is_flat() { crouch::lean(figure, by).max(least) } else { least }
+    if goes && terrain.is_flat() { crouch::lean(figure, by).max(least) } else { least }
 }
 
 impl Controller {
@@ -71,7 +71,7 @@ impl Controller {
             + self.guide.map_or(0.0, |guide| guide.lean)
             - self.uphill)
             * share;
-        self.leans = self.uphill + lowered(figure, terrain, self.lower);
+        self.leans = self.uphill + lowered(figure, terrain, self.lower, self.goes);
     }
 
     /// The trunk's lean as a turn.

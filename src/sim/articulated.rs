@@ -8,7 +8,7 @@ use super::Trace;
 use super::balls::{Flown, Incoming};
 use super::record::Record;
 use super::retrace::Retrace;
-use super::run::{Course, Run};
+use super::run::{self, Course, Run};
 use super::search::{Ahead, Search, Searched};
 use super::session::TICK;
 use crate::maths::curve::smooth3;
@@ -194,7 +194,9 @@ pub fn simulate_with(
         None => Figure::new(body, &standing, Locks::default()),
     };
     let target = (things.hold)(0.0).map_or(level, |hold| level.holding(hold));
-    let course = Course { figure: &figure, body, anatomy, physique, terrain, pushes, things, level, start: plants };
+    let goes = run::goes(things, options.duration);
+    let course =
+        Course { figure: &figure, body, anatomy, physique, terrain, pushes, things, level, start: plants, goes };
     let first = match &things.ease {
         Some(ease) => ease.stand.clone(),
         None if course.crouched() > 0.0 => low(&course, &standing, &target),
@@ -335,7 +337,7 @@ fn on_ground(
 /// The stand on level ground with the pelvis as low and leant as it begins.
 fn low(course: &Course, standing: &BodyPose, level: &PoseTarget) -> BodyPose {
     let by = course.crouched() * course.physique.leg_length;
-    let leans = slope::lowered(course.figure, course.terrain, by);
+    let leans = slope::lowered(course.figure, course.terrain, by, course.goes);
     let lean = DQuat::from_rotation_x(leans);
     // Arms hang.
     let arms = level.arms.map(|arm| ArmAngles { raise: arm.raise + leans, ..arm });

@@ -55,7 +55,7 @@ impl Pilot {
     /// The plan for the coming tick: sets what guides the law, or that nothing does.
     pub(super) fn lead(&mut self, course: &Course, control: &mut Controller, inputs: &Inputs, force: DVec3) {
         self.session.bend_to(inputs.crouch);
-        if course.terrain.is_flat() {
+        if course.goes && course.terrain.is_flat() {
             self.session.stoop(control.stoops(course.figure));
         }
         let most = SINKS * self.session.pace() * self.session.dt();

@@ -9,6 +9,7 @@ use super::{ArticulatedOptions, SessionPush, TickState};
 use crate::maths::curve::smooth3;
 use crate::maths::quat::yaw_of;
 use crate::measure::{KnownPush, PushPoint};
+use crate::model::scenario::Feet;
 use crate::model::{Body, BodyPose, Load, Physique, Plant, Side, Terrain};
 use crate::ragdoll::control::Report;
 use crate::ragdoll::figure::Part;
@@ -48,6 +49,22 @@ pub(super) struct Course<'a> {
     pub(super) level: PoseTarget,
     /// Where the feet stand at first.
     pub(super) start: [Plant; 2],
+    /// Whether it is to walk, turn or stand on one foot some time: in a crouch its trunk leans for that.
+    pub(super) goes: bool,
+}
+
+/// s, between the times at which it is asked what is meant.
+const ASKED: f64 = 0.05;
+
+/// Is anything meant until `duration` (s) that takes steps or lifts a foot?
+pub(super) fn goes(things: &Things, duration: f64) -> bool {
+    let first = (things.intent)(0.0).map_or(0.0, |intent| intent.facing);
+    let meant = |index: usize| {
+        (things.intent)(ASKED * index as f64).is_some_and(|intent| {
+            intent.walk.is_some_and(|walk| walk != DVec2::ZERO) || intent.facing != first || intent.stand != Feet::Both
+        })
+    };
+    (0..=(duration / ASKED).ceil().max(0.0) as usize).any(meant)
 }
 
 impl Course<'_> {
@@ -126,6 +143,7 @@ impl Run {
             .map_err(|error| BrokenBody { time: 0.0, what: error.to_string() })?;
         let mut control = Controller::new(figure, &world, tuning_of(&options.personality));
         control.stands_on(figure, course.terrain);
+        control.goes = course.goes;
         control.stands_low(figure, course.terrain, course.crouched() * course.physique.leg_length);
         if course.things.ease.is_some() {
             let splay = course.start.map(|plant| plant.yaw);

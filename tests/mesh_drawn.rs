@@ -1,0 +1,78 @@
+//! Kerbs and flights of meshes, drawn by seed, walked by the stepper at every pace.
+
+#![expect(clippy::print_stdout, reason = "numbers")]
+
+use crate::common::builtin;
+use crate::data;
+use crate::mesh_ground::{FLOOR, boxes, scenario, surface};
+use rayon::prelude::*;
+use surefoot::bake::{BakeOptions, Baked, Drive, bake};
+use surefoot::maths::seed::Seed;
+use surefoot::model::props::Mesh;
+use surefoot::model::report::Outcome;
+use surefoot::rig::Rig;
+
+/// Of 1: the scores of each clip, and of all.
+const LEAST: f64 = 0.8;
+const MEAN: f64 = 0.93;
+/// mm: a sole in the ground.
+const DEEP: f64 = 6.0;
+
+/// Steps of that rise (m, less than 0 down) and depth, one behind another from there on.
+fn steps(count: u32, rise: f64, tread: f64, from: f64) -> Mesh {
+    let floor = if rise > 0.0 { FLOOR } else { ([-6.0, -3.0, -6.0], [6.0, 0.0, from]) };
+    let step = |number: u32| {
+        let near = from + tread * f64::from(number);
+        let far = if rise > 0.0 || number + 1 == count { 14.0 } else { near + tread };
+        ([-6.0, -3.0, near], [6.0, rise * f64::from(number + 1), far])
+    };
+    boxes(&std::iter::once(floor).chain((0..count).map(step)).collect::<Vec<_>>())
+}
+
+fn people() -> Vec<(Rig, f64)> {
+    let mut people = [1.0, 0.7, 1.3].map(|legs| (builtin(), legs)).to_vec();
+    if let Some(folder) = data::more() {
+        for name in ["m2m_human_male.glb", "godette_vrm0.vrm"] {
+            people.push((surefoot::rig::load(&folder.join("rigs").join(name)).expect("the rig loads"), 1.0));
+        }
+    }
+    people
+}
+
+#[test]
+fn walks_of_every_pace_over_kerbs_and_flights_of_meshes_keep_their_feet() {
+    let people = people();
+    let clips: Vec<(String, Baked)> = (0..20_u64)
+        .into_par_iter()
+        .map(|seed| {
+            let mut draw = Seed::new(seed ^ 0x3E5D);
+            let (rig, legs) = &people[seed as usize % people.len()];
+            let size = legs * rig.body.leg_length / 0.83;
+            let count = [1, 4][(seed / 10) as usize];
+            let rise = [1.0, -1.0][(seed / 5) as usize % 2] * size.min(1.0) * draw.between(0.06, 0.15);
+            let (tread, from) = (draw.between(0.29, 0.35), draw.between(1.0, 2.0));
+            let speed = draw.between(0.3, 0.9) * size.sqrt();
+            let rest = format!(
+                "duration = 10.0\n[character]\nleg_scale = {legs}\n[[walk]]\nstart = 0.5\nspeed = {speed:.2}\n"
+            );
+            let name = format!("{seed}: {count} of {rise:.3} by {tread:.2} m at {speed:.2} m per s, legs {legs}");
+            let scenario = scenario(&name, &rest, &surface(&steps(count, rise, tread, from)));
+            let options = BakeOptions { drive: Drive::Stepper, ..BakeOptions::default() };
+            (name, bake(rig, &scenario, &options).expect("it bakes"))
+        })
+        .collect();
+    let mut mean = 0.0;
+    for (name, clip) in &clips {
+        let score = &clip.report.plausibility;
+        println!("{name}: {:?}, {:.2}, {:?}", clip.report.outcome, score.score, score.notes);
+        mean += score.score / clips.len() as f64;
+    }
+    println!("mean score {mean:.3}");
+    for (name, clip) in &clips {
+        let score = &clip.report.plausibility;
+        assert_ne!(clip.report.outcome, Outcome::Fall, "{name}");
+        assert!(score.score >= LEAST, "{name}: {:.2}", score.score);
+        assert!(score.penetration_max_mm < DEEP, "{name}: {:.1} mm in the ground", score.penetration_max_mm);
+    }
+    assert!(mean >= MEAN, "{mean:.3}");
+}
