@@ -352,12 +352,7 @@ fn stairs_as_a_mesh_are_climbed_as_stairs_by_name() {
     let hips = times.map(|time| hips(&one, time).distance(hips(&other, time))).fold(0.0, f64::max);
     let holds =
         |baked: &Baked| -> Vec<DVec3> { baked.performance.trace.steps.iter().map(|step| step.to.ankle).collect() };
-    let [mine, named] = [holds(&one), holds(&other)];
-    let pairs = || mine.iter().zip(&named);
-    let lands = pairs().map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
-    let climbing = pairs().filter(|(a, _)| a.y < rise * f64::from(count) - 0.01);
-    let on_treads = climbing.map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
-    let higher = pairs().map(|(a, b)| (a.y - b.y).abs()).fold(0.0, f64::max);
+    let lands = holds(&one).iter().zip(holds(&other)).map(|(a, b)| a.distance(b)).fold(0.0, f64::max);
     println!(
         "stairs as a mesh: hips {:.1} cm, joints {:.1} cm, footholds {:.1} cm apart at most; {} steps and {}, score {:.2} and {:.2}",
         1e2 * hips,
@@ -368,9 +363,7 @@ fn stairs_as_a_mesh_are_climbed_as_stairs_by_name() {
         one.report.plausibility.score,
         other.report.plausibility.score
     );
-    // Where no edge is near any more, a step that is timed a tick later than the other's leads on to another place on the same floor.
-    assert!(on_treads < 0.05, "footholds on the way up are {:.1} cm apart", 1e2 * on_treads);
-    assert!(higher < 1e-3, "{higher} m: a step is on another tread");
+    assert!(lands < 0.05, "footholds are {:.1} cm apart", 1e2 * lands);
     let climbs = |baked: &Baked| baked.performance.timeline.com.last().map_or(0.0, |com| com.y);
     assert!((climbs(&one) - climbs(&other)).abs() < 0.01, "{} and {}", climbs(&one), climbs(&other));
     assert_eq!(one.report.steps, other.report.steps);

@@ -68,11 +68,29 @@ pub fn stepped(
     ankle: DVec2,
     (yaw, time): (f64, f64),
 ) -> Plant {
-    if params.fits && kerb::near(params, terrain, state) {
-        return kerb::stood(terrain, physique, ankle, yaw);
+    if kerb::near(params, terrain, state) {
+        if params.fits {
+            return kerb::stood(terrain, physique, ankle, yaw);
+        }
+        if let Some(plant) = on_its_floor(terrain, physique, by, ankle, yaw) {
+            return plant;
+        }
     }
     let set_down = if params.fits { rocked } else { set_down_by };
     set_down(terrain, physique, by, ankle, (yaw, time))
+}
+
+/// On a mesh, the nearest place along Z on the floor that is under the sole's middle, as on stairs by name: there a sole that is longer than its
+/// tread hangs over the edge. `None` where it does not lie there.
+fn on_its_floor(terrain: &Terrain, physique: &Physique, by: &Plant, ankle: DVec2, yaw: f64) -> Option<Plant> {
+    let mut short = false;
+    let mut floor = |z: f64| {
+        let found = terrain.floor_at(DVec2::new(ankle.x, z));
+        short = found.is_some_and(|[from, to]| to - from < physique.tip - physique.heel + 2.0 * EDGE);
+        found
+    };
+    let at = terrain.is_mesh().then(|| held_on(terrain, physique, ankle, yaw, &mut floor))?;
+    mesh::lying(terrain, physique, by, at, yaw).or_else(|| short.then(|| kerb::stood(terrain, physique, at, yaw)))
 }
 
 /// The ground under the ankle of a foot that is or was somewhere: where it stands if it stands there, rad and s its yaw and the time.
@@ -112,7 +130,8 @@ pub fn held_on(
         return DVec2::new(ankle.x, ankle.y.clamp(low, high));
     }
     // A sole longer than its tread keeps out of the riser and hangs over the other edge.
-    let up = matches!(terrain.kind, GroundKind::Stairs { rise, .. } if rise > 0.0);
+    let height = |z: f64| terrain.spot(DVec2::new(ankle.x, z)).height;
+    let up = height(to + EDGE) > height(middle) + EDGE;
     DVec2::new(ankle.x, if up { high } else { low })
 }
 

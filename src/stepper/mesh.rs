@@ -246,6 +246,13 @@ pub fn broken(terrain: &Terrain, physique: &Physique, by: &Plant, ankle: DVec2, 
     })
 }
 
+/// A foot at exactly that place, where a whole sole lies there and a leg steps there from the other foot.
+pub fn lying(terrain: &Terrain, physique: &Physique, by: &Plant, ankle: DVec2, yaw: f64) -> Option<Plant> {
+    let sole = Sole::new(physique, yaw, 0.0);
+    let there = place(terrain, physique, Some(by), &sole, ankle, yaw)?;
+    (there.free && there.held >= 1.0).then_some(there.plant)
+}
+
 /// A foot at exactly that place.
 pub fn stood(terrain: &Terrain, physique: &Physique, ankle: DVec2, yaw: f64) -> Plant {
     let sole = Sole::new(physique, yaw, 0.0);
