@@ -168,13 +168,13 @@ fn what_a_clip_of_a_walk_on_slippery_ground_asks_for_is_what_the_ground_has() {
 /// Walks over ground that is drawn for a size (legs over the reference body's), of the built-in body on short, usual and long legs and of other
 /// people's rigs: how they are called, and their clips.
 fn drawn(seed: u64, paces: [f64; 2], ground: impl Fn(&mut Seed, f64) -> String + Sync) -> Vec<(String, Baked)> {
-    let load = |name: &str| surefoot::rig::load(&data::more()?.join("rigs").join(name)).ok();
+    let load = |name: &'static str| Some((name, surefoot::rig::load(&data::more()?.join("rigs").join(name)).ok()?));
     let foreign = ["m2m_human_base_animations.glb", "vrm1_debug_robot.vrm"].map(load);
     let one = |index: u64| {
         let mut draw = Seed::new(index ^ seed);
         let legs = [1.0, 0.7, 1.3, 1.0][index as usize % 4];
         let other = foreign[index as usize / 4 % 2].as_ref().filter(|_| index % 4 == 3);
-        let rig = other.cloned().unwrap_or_else(builtin);
+        let rig = other.map_or_else(builtin, |(_, rig)| rig.clone());
         let size: f64 = legs * rig.body.leg_length / 0.83;
         let ground = ground(&mut draw, size);
         let speed = draw.between(paces[0], paces[1]) * size.sqrt();
@@ -183,6 +183,9 @@ fn drawn(seed: u64, paces: [f64; 2], ground: impl Fn(&mut Seed, f64) -> String +
         );
         let name = format!("{index}: {} at {speed:.2} m/s, legs {legs}", ground.replace('\n', " "));
         let baked = held(&rig, &scenario(&name.replace('"', ""), 12.0, &rest)).1;
+        if let Some((source, _)) = other {
+            std::fs::write(baked_path(&format!("ground_{}.glb.source", baked.clip.name)), source).expect("written");
+        }
         (name, baked)
     };
     (0..20_u64).into_par_iter().map(one).collect()

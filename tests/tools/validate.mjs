@@ -39,7 +39,7 @@ async function findings(path) {
   return kinds;
 }
 
-let bad = 0;
+const bad = [];
 const files = readdirSync(folder).filter((name) => /\.(glb|vrma)$/.test(name)).sort();
 for (const name of files) {
   const found = await findings(join(folder, name));
@@ -49,8 +49,9 @@ for (const name of files) {
   const fresh = [...found].filter(([kind, entry]) => entry.count > (before.get(kind)?.count ?? 0));
   const count = (severity) => [...found].filter(([kind]) => kind.startsWith(severity)).reduce((sum, [, entry]) => sum + entry.count, 0);
   console.log(`${name}: ${count('error')} errors, ${count('warning')} warnings, ${fresh.length} kinds that the source did not have`);
-  for (const [kind, entry] of fresh) console.log(`  ${kind} x ${entry.count}: ${entry.example}`);
-  if (fresh.length > 0) bad += 1;
+  if (fresh.length > 0) bad.push([name, ...fresh.map(([kind, entry]) => `${kind} x ${entry.count}: ${entry.example}`)]);
 }
-console.log(`${files.length} files, ${bad} with findings of their own`);
-process.exit(bad > 0 || files.length === 0 ? 1 : 0);
+// Last, where who reads the end of a long log sees them.
+console.log(`${files.length} files, ${bad.length} with findings of their own`);
+for (const found of bad) console.log(found.join('\n  '));
+process.exit(bad.length > 0 || files.length === 0 ? 1 : 0);
