@@ -54,6 +54,12 @@ impl Subject {
         (self.leg / 0.83).sqrt()
     }
 
+    /// Share of the leg, m/s: a crouch and a pace that are drawn.
+    fn low_and_fast(&self, draw: &mut Seed) -> [f64; 2] {
+        let amount = draw.between(0.1, self.deepest);
+        [amount, (draw.between(0.3, 1.0) * self.pace()).min(self.legs.sqrt())]
+    }
+
     fn baked(&self, character: &str, lanes: &str, seed: u64) -> Baked {
         let text =
             format!("title = \"c\"\nduration = {LONG}\n[character]\nleg_scale = {}\n{character}\n{lanes}", self.legs);
@@ -103,8 +109,7 @@ fn crouched_walks_go_as_fast_and_as_low_as_they_are_told() {
         .map(|seed| {
             let mut draw = Seed::new(seed ^ 0xC203C);
             let subject = &subjects[seed as usize % subjects.len()];
-            let (amount, pace) = (draw.between(0.1, subject.deepest), draw.between(0.3, 1.0) * subject.pace());
-            let speed = pace.min(subject.legs.sqrt());
+            let [amount, speed] = subject.low_and_fast(&mut draw);
             let lane = format!("[[walk]]\nstart = 0.5\nspeed = {speed:.3}\n");
             let clip = subject.baked(&format!("crouch = {amount:.3}"), &lane, seed);
             let times: Vec<f64> =
@@ -141,8 +146,7 @@ fn who_is_shoved_in_a_crouched_walk_or_stand_keeps_his_feet() {
         .map(|seed| {
             let mut draw = Seed::new(seed ^ 0x5407E);
             let subject = &subjects[seed as usize % subjects.len()];
-            let (amount, pace) = (draw.between(0.1, subject.deepest), draw.between(0.3, 1.0) * subject.pace());
-            let speed = pace.min(subject.legs.sqrt());
+            let [amount, speed] = subject.low_and_fast(&mut draw);
             let walk = if seed < 15 { format!("[[walk]]\nstart = 0.5\nspeed = {speed:.3}\n") } else { String::new() };
             let force = 30.0 / 0.2 * subject.mass / 89.5 * subject.pace();
             let (start, toward) = (draw.between(3.0, 4.5), draw.between(-180.0, 180.0));
@@ -168,8 +172,7 @@ fn one_goes_down_and_up_in_the_midst_of_walks_turns_and_stands() {
         .map(|seed| {
             let mut draw = Seed::new(seed ^ 0xD0D0);
             let subject = &subjects[seed as usize % subjects.len()];
-            let (amount, pace) = (draw.between(0.1, subject.deepest), draw.between(0.3, 1.0) * subject.pace());
-            let speed = pace.min(subject.legs.sqrt());
+            let [amount, speed] = subject.low_and_fast(&mut draw);
             let slow = speed.min(0.3 * subject.legs.sqrt()) - 1e-3;
             let start = draw.between(1.5, 3.0);
             let aside = [180.0, 90.0, -90.0][(draw.bits() % 3) as usize];

@@ -6,6 +6,7 @@
 
 use crate::common::builtin;
 use crate::data;
+use crate::people::people;
 use rayon::prelude::*;
 use surefoot::bake::{BakeOptions, Baked, Drive, Helped, bake};
 use surefoot::maths::seed::Seed;
@@ -91,12 +92,7 @@ fn slopes_are_walked_up_and_down_by_every_body() {
 
 #[test]
 fn steep_slopes_are_walked_up_on_the_balls_of_the_feet() {
-    let mut people = vec![(builtin(), 1.0), (builtin(), 0.7), (builtin(), 1.3)];
-    if let Some(folder) = data::more() {
-        for name in ["m2m_rig_human.glb", "m2m_human_male.glb"] {
-            people.push((surefoot::rig::load(&folder.join("rigs").join(name)).expect("the rig loads"), 1.0));
-        }
-    }
+    let people = people(&[1.0, 0.7, 1.3], &["m2m_rig_human.glb", "m2m_human_male.glb"]);
     let clips: Vec<(String, f64, f64, Baked)> = (0..20u64)
         .into_par_iter()
         .map(|seed| {
@@ -278,12 +274,7 @@ fn uneven_ground_is_walked_and_stood_on() {
 
 #[test]
 fn gaps_are_stepped_over() {
-    let mut rigs = vec![(builtin(), 1.0), (builtin(), 1.3)];
-    if let Some(folder) = data::more() {
-        for name in ["gdquest_mannequiny.glb", "m2m_rig_human.glb"] {
-            rigs.push((surefoot::rig::load(&folder.join("rigs").join(name)).expect("the rig loads"), 1.0));
-        }
-    }
+    let rigs = people(&[1.0, 1.3], &["gdquest_mannequiny.glb", "m2m_rig_human.glb"]);
     let clips: Vec<(String, f64, Baked)> = (0..20u64)
         .into_par_iter()
         .map(|seed| {

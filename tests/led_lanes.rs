@@ -2,8 +2,7 @@
 
 #![expect(clippy::print_stdout, reason = "numbers")]
 
-use crate::common::builtin;
-use crate::data;
+use crate::people::people;
 use glam::DVec3;
 use rayon::prelude::*;
 use surefoot::bake::{BakeOptions, Baked, Drive, Helped, bake};
@@ -27,13 +26,7 @@ fn baked(rig: &Rig, text: &str, drive: Drive, seed: u64) -> Baked {
 
 /// Rigs and how long their legs are made.
 fn bodies() -> Vec<(Rig, f64)> {
-    let mut bodies = vec![(builtin(), 1.0), (builtin(), 0.7), (builtin(), 1.3)];
-    if let Some(folder) = data::more() {
-        for name in ["gdquest_mannequiny.glb", "m2m_human_male.glb"] {
-            bodies.push((surefoot::rig::load(&folder.join("rigs").join(name)).expect("the rig loads"), 1.0));
-        }
-    }
-    bodies
+    people(&[1.0, 0.7, 1.3], &["gdquest_mannequiny.glb", "m2m_human_male.glb"])
 }
 
 /// How a turn went, s after it was asked for: when the pelvis began, when it was there for good, and when both feet were within 10 degrees of

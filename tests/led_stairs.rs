@@ -7,6 +7,7 @@
 use crate::common::builtin;
 use crate::data;
 use crate::led_ground::{baked, walk};
+use crate::people::people;
 use rayon::prelude::*;
 use surefoot::bake::{BakeOptions, Baked, Drive, Helped, bake};
 use surefoot::maths::seed::Seed;
@@ -17,12 +18,7 @@ use surefoot::rig::Rig;
 
 #[test]
 fn kerbs_are_stepped_up_and_down() {
-    let mut people = vec![(builtin(), 1.0), (builtin(), 1.3)];
-    if let Some(folder) = data::more() {
-        for name in ["gdquest_mannequiny.glb", "m2m_rig_human.glb"] {
-            people.push((surefoot::rig::load(&folder.join("rigs").join(name)).expect("the rig loads"), 1.0));
-        }
-    }
+    let people = people(&[1.0, 1.3], &["gdquest_mannequiny.glb", "m2m_rig_human.glb"]);
     for (way, up) in [("up", 1.0), ("down", -1.0)] {
         let clips: Vec<(String, f64, Baked)> = (0..20u64)
             .into_par_iter()

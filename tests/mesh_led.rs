@@ -2,9 +2,8 @@
 
 #![expect(clippy::print_stdout, reason = "numbers")]
 
-use crate::common::builtin;
-use crate::data;
 use crate::mesh_ground::{FLOOR, boxes, scenario, surface};
+use crate::people::people;
 use glam::DVec3;
 use rayon::prelude::*;
 use surefoot::bake::{BakeOptions, Baked, Drive, Helped, bake};
@@ -21,19 +20,13 @@ fn baked(rig: &Rig, scenario: &Scenario, drive: Drive) -> Baked {
 }
 
 /// Bodies that walk by their own torques on meshes, and the size of their legs.
-fn people() -> Vec<(Rig, f64)> {
-    let mut people = vec![(builtin(), 1.0), (builtin(), 1.3)];
-    if let Some(folder) = data::more() {
-        for name in ["m2m_human_male.glb", "gdquest_mannequiny.glb"] {
-            people.push((surefoot::rig::load(&folder.join("rigs").join(name)).expect("the rig loads"), 1.0));
-        }
-    }
-    people
+fn bodies() -> Vec<(Rig, f64)> {
+    people(&[1.0, 1.3], &["m2m_human_male.glb", "gdquest_mannequiny.glb"])
 }
 
 #[test]
 fn the_body_walks_over_kerbs_and_ramps_of_meshes_by_its_torques() {
-    let people = people();
+    let people = bodies();
     let clips: Vec<(String, f64, Baked)> = (0..20_u64)
         .into_par_iter()
         .map(|seed| {
@@ -87,7 +80,7 @@ fn the_body_walks_over_kerbs_and_ramps_of_meshes_by_its_torques() {
 
 #[test]
 fn the_body_stops_before_walls_and_ledges_of_meshes_by_its_torques() {
-    let people = people();
+    let people = bodies();
     let wrongs: Vec<String> = (0..12_u64)
         .into_par_iter()
         .flat_map(|seed| {

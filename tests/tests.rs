@@ -108,10 +108,14 @@ mod mocap;
 mod mocap_files;
 /// Bodies that are none, and numbers far from a person's, with the articulated body at the shell.
 mod odd_bodies;
+/// Bodies of tests that draw them.
+mod people;
 /// Contact sheets of real rigs.
 mod picture;
 /// Clips of the articulated body are its runs: joints, outcome, footfalls.
 mod played;
+/// Walks as fast as people walk, and faster.
+mod quick_walks;
 /// The articulated body: falls, balls, grounds, breakdowns.
 mod ragdoll;
 /// The articulated body walking.

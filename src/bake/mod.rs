@@ -8,6 +8,7 @@ mod apart;
 pub mod auto;
 mod balance;
 pub mod base;
+mod beyond;
 mod care;
 pub mod carried;
 mod cast;
@@ -208,7 +209,12 @@ fn once(
         None => rig.body.clone(),
     };
     let seed = options.seed.unwrap_or(scenario.seed);
-    let performance = perform::perform_over(&body, scenario, seed, (drive, ahead), options.base.as_ref())?;
+    let act = |scenario: &Scenario| perform::perform_over(&body, scenario, seed, (drive, ahead), options.base.as_ref());
+    let alone = matches!(drive, Drive::Stepper) && options.base.is_none() && !options.looped;
+    let performance = match beyond::farther(scenario, &body).filter(|_| alone) {
+        Some(longer) => beyond::cut(act(&longer)?, scenario),
+        None => act(scenario)?,
+    };
     if options.looped {
         return looped::bake(rig, scenario, options, performance, seed);
     }

@@ -38,9 +38,13 @@ const MOST_SUNK: f64 = 0.3;
 const RISE: f64 = 0.11;
 /// Part of the leg that a walker's centre of mass travels up and down at most.
 const TRAVEL: f64 = 0.078;
-/// s, the same of a walker.
+/// s of the reference body: steps of the first and longer take all of that travel, steps of the second and shorter the part below. People's
+/// grows by the root of the speed only (Orendurff 2004), and who rises and falls as far in less time all but leaves the ground.
+const QUICK: [f64; 2] = [0.56, 0.48];
+const LESS: f64 = 0.5;
+/// s, [`RISE`] of a walker.
 const STRIDE: f64 = 0.06;
-/// s, the same where a base clip walks.
+/// s, [`RISE`] where a base clip walks.
 const BASE_STRIDE: f64 = 0.085;
 /// Weight of a sample whose need is not met, against the squared acceleration: it pushes up only.
 const HOLD: f64 = 3e11;
@@ -147,9 +151,13 @@ fn foreseen(need: &[f64], cut: usize, timeline: &Timeline) -> Vec<f64> {
 /// Where the lowering is drawn to: none in a stand; of a walker a rise, held to what people's centres of mass travel.
 fn eased(need: &[f64], timeline: &Timeline) -> Vec<f64> {
     let around = (0.5 / timeline.dt).round() as usize;
-    let travel = TRAVEL * timeline.anatomy.legs[0].length();
+    let leg = timeline.anatomy.legs[0].length();
+    let tempo = (leg / 0.83).sqrt();
     (0..need.len())
         .map(|index| {
+            let stride = timeline.feet.stride_before(index as f64 * timeline.dt);
+            let slow = |stride: f64| ((0.5 * stride / tempo - QUICK[1]) / (QUICK[0] - QUICK[1])).clamp(0.0, 1.0);
+            let travel = TRAVEL * leg * (LESS + (1.0 - LESS) * stride.map_or(1.0, slow));
             let near = &need[index.saturating_sub(around)..(index + around + 1).min(need.len())];
             let deepest = near.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             let rise = need[index].min(0.0);

@@ -22,6 +22,7 @@ use crate::ragdoll::control::MOST_TORQUE;
 use crate::rig::Rig;
 use crate::stepper::Phase;
 use crate::stepper::footing::{SLOWEST_STAIR_STEP, STAIR_STEP};
+use crate::stepper::walk::most_speed;
 use glam::DVec3;
 
 /// Samples a frame (DESIGN, "Measures").
@@ -374,6 +375,11 @@ fn warnings(input: &ReportInput, outcome: Outcome, fallen: Option<f64>) -> Vec<S
         }
     }
     warnings.extend(slowed(input));
+    let most = most_speed(&performance.physique);
+    let wanted = scenario.walk.iter().map(|walk| walk.speed).fold(0.0, f64::max);
+    if wanted > most {
+        warnings.push(format!("a body of this size runs above {most:.2} m/s: it walks at that, not at {wanted:.2}"));
+    }
     warnings
 }
 

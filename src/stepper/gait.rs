@@ -28,6 +28,14 @@ pub struct Rhythm {
 /// m/s of the reference body: a walk up to the first is slow, one from the second on is not.
 const SLOW: [f64; 2] = [0.3, 0.7];
 
+/// m/s of the reference body: a walk from the second on is brisk, one up to the first is not.
+const BRISK: [f64; 2] = [1.4, 1.6];
+/// m per step/min, the walk ratio ahead of one that is not brisk and of one that is: Sekiya's 0.0065, within whose spread of 0.0006 a brisk
+/// one is quicker. At its 0.0065 the hips must drop so far and so fast between the feet that the ground would have to pull.
+const RATIOS: [f64; 2] = [0.0065, 0.0061];
+/// m of the reference body, no step is longer, for the same.
+const FARTHEST: f64 = 0.812;
+
 /// The rhythm in which people walk at that velocity, m/s (x, z), and turn at that rate, rad/s, where no step is longer
 /// than `longest` m, or all are `even` m long; a slow walk takes its time the less the more it is `hurried`, 0 to 1.
 pub fn rhythm(
@@ -42,14 +50,15 @@ pub fn rhythm(
     let speed = pace.length();
     let way = pace / speed.max(1e-9);
     let (along, across) = (way.dot(ahead), way.perp_dot(ahead));
-    let forward = if along > 0.0 { 0.0065 } else { 0.0050 };
+    let brisk = ((speed - BRISK[0]) / (BRISK[1] - BRISK[0])).clamp(0.0, 1.0);
+    let forward = if along > 0.0 { RATIOS[0] + (RATIOS[1] - RATIOS[0]) * brisk } else { 0.0050 };
     let ratio = forward * along * along + 0.0018 * across * across; // m per step/min
     let spin = (turn.abs() * params.tempo).min(1.0);
     let hurried = ((speed - SLOW[0]) / (SLOW[1] - SLOW[0])).max(spin).max(across.abs()).max(hurried);
     let quick = hurried.clamp(0.0, 1.0);
     let least = params.cadence[0] + (params.cadence[1] - params.cadence[0]) * quick;
     let cadence = (60.0 * speed / ratio.max(1e-4)).sqrt().max(least.max(66.0 + 36.0 * spin));
-    let step = (60.0 / cadence).min(longest / params.size / speed.max(1e-9));
+    let step = (60.0 / cadence).min((longest / params.size).min(FARTHEST) / speed.max(1e-9));
     let [least, most] = kerb::TAKES;
     let step = even.map_or(step, |even| (even / params.size / speed.max(1e-9)).clamp(least, most));
     let share = (0.24 - 0.133 * (speed - 1.2)).clamp(0.14, 0.36);

@@ -12,7 +12,7 @@ use super::{
     swing, turn,
 };
 use super::{Passing, balance};
-use crate::maths::pendulum;
+use crate::maths::pendulum::{self, GRAVITY};
 use crate::maths::real;
 use crate::model::scenario::GroundKind;
 use crate::model::{Side, Terrain};
@@ -140,7 +140,7 @@ pub fn steer(params: &Params, physique: &Physique, terrain: &Terrain, state: &mu
         let least = gait.longest / (footing::SLOWEST_STAIR_STEP * params.tempo);
         wanted = wanted.clamp_length_min(least);
     }
-    let wanted = wanted.clamp_length_max(longest / (slowest * params.tempo));
+    let wanted = wanted.clamp_length_max(longest / (slowest * params.tempo)).clamp_length_max(most_speed(physique));
     let fastest = footing::fastest(terrain, params, physique, ground(state.com), wanted);
     gait.barred = wanted != DVec2::ZERO && fastest < BARRED[usize::from(gait.barred)] * params.size / params.tempo;
     let wanted = if gait.barred { DVec2::ZERO } else { wanted.clamp_length_max(fastest) };
@@ -154,6 +154,11 @@ pub fn steer(params: &Params, physique: &Physique, terrain: &Terrain, state: &mu
     let force = ground(inputs.force).clamp_length_max(0.6 * params.foresee);
     let slow = if force.length_squared() < 0.5 * gait.lasting.length_squared() { 0.15 } else { 0.5 };
     gait.lasting += (force - gait.lasting) * (1.0 - real::exp(-dt / (slow * params.tempo)));
+}
+
+/// m/s, the fastest walk: a Froude number of a half, above which people run (Alexander 1989).
+pub fn most_speed(physique: &Physique) -> f64 {
+    (0.5 * GRAVITY * physique.leg_length).sqrt()
 }
 
 /// m/s of the reference body: who may go no faster before a wall or a ledge stands, until it may go as fast as the second.
