@@ -138,11 +138,10 @@ fn walks_keep_their_feet_on_every_build() {
 }
 
 /// Rows of a walk beside people's (`cargo bench --bench gait` prints them, with captured walks) that are out of the spread, at
-/// 0.8, 1.2 and 1.6 m/s. Goal 0 each. The rows are of adults at 1.2 to 1.4 m/s. The centre of mass travels with the square of
-/// the step: by less than 4 cm on short ones (1.1; a captured walk at 0.9 m/s: 1.8), by more on long ones (7.9), as a
-/// pendulum's does. Long steps flex the hip farther ahead and the knee farther under the weight (39 and 31 degrees; captured
-/// knees at 1.2 m/s: 25 to 37). The hip that is left behind extends by 16 to 17 degrees (captured: 16 to 42), and the ankle
-/// under it flexes by 14 (captured: 17 to 20).
+/// 0.8, 1.2 and 1.6 m/s. Goal 0 each. The rows are of adults at 1.2 to 1.4 m/s. The centre of mass travels by less than 4 cm on short
+/// steps (1.1; a captured walk at 0.9 m/s: 1.8). Long steps flex the hip farther ahead and the knee farther under the weight (38 and 39
+/// degrees; captured knees at 1.2 m/s: 25 to 37). The hip that is left behind extends by 16 to 17 degrees (captured: 16 to 42), and the
+/// ankle under it flexes by 14 to 16 (captured: 17 to 20).
 const UNLIKE_PEOPLE: [(f64, usize); 3] = [(0.8, 3), (1.2, 1), (1.6, 3)];
 
 #[test]
