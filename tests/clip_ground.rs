@@ -182,7 +182,9 @@ fn drawn(seed: u64, paces: [f64; 2], ground: impl Fn(&mut Seed, f64) -> String +
             "[ground]\n{ground}[character]\nleg_scale = {legs:.1}\n[[walk]]\nstart = 0.5\nspeed = {speed:.2}\n"
         );
         let name = format!("{index}: {} at {speed:.2} m/s, legs {legs}", ground.replace('\n', " "));
-        let baked = held(&rig, &scenario(&name.replace('"', ""), 12.0, &rest)).1;
+        // Blender cuts names after 63 characters.
+        let title = format!("{} {index} at {speed:.2} m/s legs {legs}", name.split('"').nth(1).unwrap_or_default());
+        let baked = held(&rig, &scenario(&title, 12.0, &rest)).1;
         if let Some((source, _)) = other {
             std::fs::write(baked_path(&format!("ground_{}.glb.source", baked.clip.name)), source).expect("written");
         }
