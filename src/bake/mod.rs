@@ -211,8 +211,11 @@ fn once(
     let seed = options.seed.unwrap_or(scenario.seed);
     let act = |scenario: &Scenario| perform::perform_over(&body, scenario, seed, (drive, ahead), options.base.as_ref());
     let alone = matches!(drive, Drive::Stepper) && options.base.is_none() && !options.looped;
-    let performance = match beyond::farther(scenario, &body).filter(|_| alone) {
-        Some(longer) => beyond::cut(act(&longer)?, scenario),
+    let longer = beyond::farther(scenario, &body).filter(|_| alone);
+    // Who loses balance, be it after the clip's end, is played as he was told.
+    let longer = longer.map(|longer| act(&longer)).transpose()?.filter(|longer| longer.trace.lost.is_none());
+    let performance = match longer {
+        Some(longer) => beyond::cut(longer, scenario),
         None => act(scenario)?,
     };
     if options.looped {
