@@ -10,7 +10,7 @@ use super::joined::{Both, Joined};
 use super::landing::{LATE, Landing, leg_foot};
 use super::leg::{self, Foot};
 use super::over::{LOWERS, lowered, owners, too_high, with_clip};
-use super::{Played, Run, bound};
+use super::{BETWEEN_TICKS, Played, Run, bound};
 use crate::bake::base::again::RollOff;
 use crate::bake::base::gait::blended;
 use crate::bake::base::{FootOffset, Walked};
@@ -181,7 +181,8 @@ impl Onward {
         self.contacts.sort_by(|a, b| a.start.total_cmp(&b.start).then(a.side.cmp(&b.side)));
     }
 
-    /// What a foot holds until it is as the run has it: what both hold, its ball where the heel of one of them is up.
+    /// What a foot holds until it is as the run has it: what both hold, its ball where the heel of one of them is up. Where the run's turns
+    /// about its heel, both hold nothing.
     fn settle(&self, own: &mut Vec<FootContact>, side: Side) {
         let settled = self.joined[side as usize].settled();
         let (from, bears) = match self.lands[side as usize] {
@@ -189,7 +190,7 @@ impl Onward {
             None => (self.struck, self.walked.bearing(side, self.struck).filter(|part| *part != Part::Heel)),
         };
         let soon = self.joined[side as usize].from() + self.dt;
-        let pieces = own.iter().filter(|piece| piece.start < settled);
+        let pieces = own.iter().filter(|piece| piece.start < settled && piece.part != Part::Heel);
         let both: Vec<FootContact> = bears.map_or(Vec::new(), |bears| {
             let shown = |piece: &FootContact| FootContact {
                 part: if bears == piece.part { bears } else { Part::Ball },
@@ -263,13 +264,16 @@ impl Onward {
 
     /// Lowers the body where a leg does not reach its foot otherwise.
     fn lower(&mut self, played: &Played, run: &Run, end: f64) {
-        let need = |tick: usize| {
-            let time = (tick as f64 * self.dt).min(end);
+        // Between ticks, too: a foot that lands there is the farthest off then.
+        let need = |piece: usize| {
+            let time = (piece as f64 * self.dt / BETWEEN_TICKS as f64).min(end);
             let own = played.held_pose(run.body, run.anatomy, run.terrain, time);
             let feet = Side::BOTH.map(|side| self.foot(run.body, &own, side, time));
             too_high(run.body, run.anatomy, &self.unplanted(&own, time), &feet)
         };
-        let needs: Vec<f64> = (0..played.run.len()).map(need).collect();
+        let needs: Vec<f64> = (0..played.run.len() * BETWEEN_TICKS).map(need).collect();
+        let most = |pieces: &[f64]| pieces.iter().copied().fold(0.0, f64::max);
+        let needs: Vec<f64> = needs.chunks(BETWEEN_TICKS).map(most).collect();
         let home = self.walked.ends_in_clip(end);
         self.lowered = lowered(&needs, self.dt, &|time| if home { smooth3((end - time) / LOWERS) } else { 1.0 });
     }
