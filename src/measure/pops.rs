@@ -43,7 +43,7 @@ pub fn pops(track: &Track) -> Vec<Pop> {
         };
         let turns: Vec<DQuat> = frames.iter().map(|pose| local(pose)).collect();
         let least = if matches!(joint.role, Role::LeftToes | Role::RightToes) { POP_LEAST_OF_TOES } else { POP_LEAST };
-        found.extend(jumps(&turns, least).into_iter().map(|(frame, step)| Pop {
+        found.extend(jumps(&turns, least, 2).into_iter().map(|(frame, step)| Pop {
             role: joint.role,
             time: motion.time(frame * motion.per_frame),
             step,
@@ -52,13 +52,15 @@ pub fn pops(track: &Track) -> Vec<Pop> {
     found
 }
 
-/// The pops of a joint that is turned like that frame by frame: the frame that each begins at and its step, rad.
-pub(crate) fn jumps(turns: &[DQuat], least: f64) -> Vec<(usize, f64)> {
+/// The pops of a joint that is turned like that frame by frame: the frame that each begins at and its step, rad. The first and the last step
+/// are held against so many on their one side: 1, or 2 of a whole clip, where a joint that turns back there does not pop.
+pub(crate) fn jumps(turns: &[DQuat], least: f64, at_ends: usize) -> Vec<(usize, f64)> {
     let steps: Vec<f64> = turns.windows(2).map(|pair| angle_of(pair[0].inverse() * pair[1])).collect();
     let mut found = Vec::new();
     let mut at = 0;
     while at < steps.len() {
-        let over = [(1, least), (2, POP_LEAST_OF_TWO)].map(|(count, least)| (count, jump(&steps, at, count, least)));
+        let over = [(1, least), (2, POP_LEAST_OF_TWO)]
+            .map(|(count, least)| (count, jump(&steps, at, (count, least), at_ends)));
         match over.into_iter().find_map(|(count, step)| Some((count, step?))) {
             Some((count, step)) => {
                 found.push((at, step));
@@ -71,15 +73,18 @@ pub(crate) fn jumps(turns: &[DQuat], least: f64) -> Vec<(usize, f64)> {
 }
 
 /// rad, what so many steps from one on are together, where that is a jump that neither the step before nor the one after explains.
-fn jump(steps: &[f64], at: usize, count: usize, least: f64) -> Option<f64> {
+fn jump(steps: &[f64], at: usize, (count, least): (usize, f64), at_ends: usize) -> Option<f64> {
     let taken = steps.get(at..at + count)?;
     let sum: f64 = taken.iter().sum();
     // Of two frames both are part of it.
     if taken.iter().any(|step| POP_FACTOR * step < sum) {
         return None;
     }
-    let before = at.checked_sub(1).map(|before| steps[before]);
-    let around = before.into_iter().chain(steps.get(at + count).copied()).reduce(f64::max)?;
+    let before = || steps[..at].iter().rev();
+    let after = || steps[at + count..].iter();
+    let far = |is_end: bool| if is_end { at_ends } else { 1 };
+    let (first, last) = (at == 0, at + count == steps.len());
+    let around = before().take(far(last)).chain(after().take(far(first))).copied().reduce(f64::max)?;
     (sum > least && sum > POP_FACTOR * around * count as f64).then_some(sum)
 }
 
@@ -140,6 +145,17 @@ mod tests {
             assert!((found[0].step / DEGREE - 60.0).abs() < 1e-6 && (found[0].time - 0.5).abs() < 1e-6, "{found:?}");
         }
         assert_eq!(turned(Role::LeftLowerLeg, 6.0, 1.0).len(), 1);
+    }
+
+    #[test]
+    fn a_knee_that_turns_back_just_before_the_end_does_not_pop_and_one_that_jerks_there_does() {
+        let knee = |degrees: &[f64]| {
+            let turns: Vec<DQuat> = degrees.iter().map(|turn| DQuat::from_rotation_x(turn * DEGREE)).collect();
+            let back: Vec<DQuat> = turns.iter().rev().copied().collect();
+            [turns, back].map(|turns| jumps(&turns, POP_LEAST, 2).len())
+        };
+        assert_eq!(knee(&[10.0, 25.0, 34.0, 36.0, 27.0]), [0, 0]);
+        assert_eq!(knee(&[33.5, 34.0, 34.5, 35.0, 26.0]), [1, 1]);
     }
 
     #[test]

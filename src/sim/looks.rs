@@ -102,7 +102,7 @@ impl Looks {
         let frame = ((FRAME / self.dt).round() as usize).max(1);
         let of = |turns: &Vec<DQuat>| {
             let framed = |phase: usize| turns.iter().skip(phase).step_by(frame).copied().collect::<Vec<_>>();
-            (0..frame).map(|phase| pops::jumps(&framed(phase), pops::POP_LEAST).len()).max().unwrap_or(0)
+            (0..frame).map(|phase| pops::jumps(&framed(phase), pops::POP_LEAST, 1).len()).max().unwrap_or(0)
         };
         self.turns.iter().map(of).sum()
     }
