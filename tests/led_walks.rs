@@ -6,10 +6,12 @@
 
 use crate::common::builtin;
 use crate::data;
+use crate::people::people;
 use rayon::prelude::*;
 use surefoot::bake::{BakeOptions, Baked, Drive, Helped, bake};
 use surefoot::maths::seed::Seed;
-use surefoot::model::report::Outcome;
+use surefoot::model::Role;
+use surefoot::model::report::{Outcome, Part};
 use surefoot::model::scenario_text;
 use surefoot::ragdoll::control::Assist;
 use surefoot::rig::Rig;
@@ -47,13 +49,13 @@ fn rigs(names: &[&'static str]) -> Vec<(&'static str, Rig)> {
 }
 
 #[test]
-fn nobody_drags_a_foot_who_walks_straight_ahead_at_up_to_a_metre_per_second() {
+fn nobody_drags_a_foot_who_walks_straight_ahead() {
     let rigs = rigs(&["gdquest_mannequiny.glb", "m2m_rig_human.glb", "m2m_human_male.glb"]);
     let cases: Vec<_> = rigs.iter().flat_map(|rig| (0..4).map(move |index| (rig, index))).collect();
     let walked: Vec<_> = cases
         .into_par_iter()
         .map(|((name, rig), index)| {
-            let speed = Seed::new(0xF007 ^ (index << 8) ^ name.len() as u64).between(0.25, 1.0);
+            let speed = Seed::new(0xF007 ^ (index << 8) ^ name.len() as u64).between(0.25, 1.25);
             let text = format!("title = \"walk\"\nduration = 12.0\n[[walk]]\nstart = 0.5\nspeed = {speed:.2}\n");
             (format!("{name} at {speed:.2} m/s"), baked(rig, &text, index).report.plausibility)
         })
@@ -62,8 +64,101 @@ fn nobody_drags_a_foot_who_walks_straight_ahead_at_up_to_a_metre_per_second() {
         println!("{name}: a foot slides by {:.0} mm at most, score {:.2}", found.scuff_max_mm, found.score);
     }
     for (name, found) in walked {
-        assert!(found.scuff_max_mm < 60.0, "{name}: a foot slides by {:.0} mm", found.scuff_max_mm);
+        assert!(found.scuff_max_mm < 40.0, "{name}: a foot slides by {:.0} mm", found.scuff_max_mm);
         assert!(found.score > 0.85, "{name}: {:.2}, {:?}", found.score, found.notes);
+    }
+}
+
+/// Of 1: the scores of each brisk walk, and of all; rad, how far a person's upper arms swing from hanging down at most.
+const LEAST: f64 = 0.75;
+const MEAN: f64 = 0.93;
+const SWING: f64 = 0.8;
+
+/// rad, how far ahead or behind the upper arms swing, from 4 s on.
+fn arms(rig: &Rig, clip: &Baked) -> f64 {
+    let arms = [[Role::LeftUpperArm, Role::LeftLowerArm], [Role::RightUpperArm, Role::RightLowerArm]];
+    let arms = arms.map(|arm| arm.map(|role| rig.body.joint(role).expect("an arm")));
+    let swung = |frame: u32| {
+        let at = rig.sample(&clip.clip, 4.0 + f64::from(frame) / 30.0).positions;
+        arms.map(|[shoulder, elbow]| at[elbow] - at[shoulder]).map(|bone| bone.z.atan2(-bone.y).abs())
+    };
+    (0..180).flat_map(swung).fold(0.0, f64::max)
+}
+
+#[test]
+fn brisk_walks_are_as_fast_as_asked_and_swing_their_arms_as_people_do() {
+    let people = people(&[1.0, 0.85, 1.2], &["gdquest_mannequiny.glb", "m2m_human_male.glb", "m2m_rig_human.glb"]);
+    let walked: Vec<_> = (0..18_u64)
+        .into_par_iter()
+        .map(|seed| {
+            let (rig, legs) = &people[seed as usize % people.len()];
+            let speed = Seed::new(0xB215 ^ seed).between(0.7, 1.25) * (legs * rig.body.leg_length / 0.83).sqrt();
+            let speed = speed.min(1.3);
+            let character = format!("[character]\nleg_scale = {legs}\n");
+            let text =
+                format!("title = \"walk\"\nduration = 12.0\n{character}[[walk]]\nstart = 0.5\nspeed = {speed:.2}\n");
+            let clip = baked(rig, &text, seed);
+            let went = (rig.sample(&clip.clip, 11.5).hips - rig.sample(&clip.clip, 4.0).hips).length() / 7.5;
+            (format!("{seed}: {speed:.2} m/s, legs {legs}"), went / speed - 1.0, arms(rig, &clip), clip)
+        })
+        .collect();
+    let mean = walked.iter().map(|(.., clip)| clip.report.plausibility.score).sum::<f64>() / walked.len() as f64;
+    for (name, off, arms, clip) in &walked {
+        let found = &clip.report.plausibility;
+        println!("{name}: {:+.1} %, arms {:.0} degrees, {:.2}", 100.0 * off, arms.to_degrees(), found.score);
+    }
+    println!("mean score {mean:.3}");
+    for (name, off, arms, clip) in &walked {
+        let found = &clip.report.plausibility;
+        assert_ne!(clip.report.outcome, Outcome::Fall, "{name}");
+        assert!(off.abs() < 0.1, "{name}: {:+.1} %", 100.0 * off);
+        assert!(*arms < SWING, "{name}: arms swing by {:.0} degrees", arms.to_degrees());
+        assert!(found.score > LEAST, "{name}: {:.2}, {:?}", found.score, found.notes);
+    }
+    assert!(mean > MEAN, "{mean:.3}");
+}
+
+/// m at legs of 0.83 m, how far apart the feet of who walks are at most, and how much farther after a shove than before. People's are 0.1
+/// m apart; rigs with broad feet are planned 0.2 m apart.
+const WIDTH: f64 = 0.25;
+const WIDER: f64 = 0.05;
+
+/// m, how far one foot is beside the other in the mean, of the steps in that time (s) along +Z.
+fn width(baked: &Baked, [from, to]: [f64; 2]) -> f64 {
+    let within = |start: f64| from < start && start < to;
+    let flat = baked.report.contacts.iter().filter(|contact| contact.part == Part::Flat && within(contact.start));
+    let mut feet: Vec<_> = flat.map(|contact| (contact.foot, contact.position[0])).collect();
+    feet.dedup_by_key(|(foot, _)| *foot);
+    feet.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs()).sum::<f64>() / (feet.len() - 1) as f64
+}
+
+#[test]
+fn who_is_shoved_aside_walks_on_with_his_feet_as_close_together_as_before() {
+    let people = people(&[1.0, 0.85, 1.2], &["gdquest_mannequiny.glb", "m2m_human_male.glb", "m2m_rig_human.glb"]);
+    let one = |seed: u64| {
+        let (rig, legs) = &people[seed as usize % people.len()];
+        let mut draw = Seed::new(0x51DE ^ seed);
+        let size = legs * rig.body.leg_length / 0.83;
+        let speed = (draw.between(0.4, 1.25) * size.sqrt()).min(1.3);
+        let (start, lasts, impulse) = (draw.between(3.0, 4.0), draw.between(0.1, 0.3), draw.between(10.0, 60.0));
+        let toward = draw.between(30.0, 150.0) * if seed.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let push =
+            format!("start = {start:.2}\nduration = {lasts:.2}\nforce = {:.0}\ntoward = {toward:.0}", impulse / lasts);
+        let walk = format!("[character]\nleg_scale = {legs}\n[[walk]]\nstart = 0.5\nspeed = {speed:.2}");
+        let text = format!("title = \"shove\"\nduration = {:.2}\n{walk}\n[[push]]\n{push}\n", start + 7.0);
+        let clip = baked(rig, &text, seed);
+        let stands = clip.report.outcome != Outcome::Fall;
+        let [before, after] = [[start - 1.5, start], [start + 4.0, start + 6.7]];
+        let wide = stands.then(|| [before, after].map(|time| width(&clip, time) / size));
+        (format!("{seed}: legs {legs}, {speed:.2} m/s, {impulse:.0} N s toward {toward:.0}"), wide)
+    };
+    let all: Vec<_> = (0..20).into_par_iter().map(one).collect();
+    for (name, wide) in &all {
+        println!("{name}: {wide:.3?} m wide");
+    }
+    for (name, wide) in &all {
+        let close = wide.is_some_and(|[before, after]| after < WIDTH.min(before + WIDER));
+        assert!(close, "{name}: {wide:.3?} m wide, or it falls");
     }
 }
 

@@ -7,7 +7,7 @@ use super::carried::{self, Carried};
 use super::throws::{Ball, Hit, Toss};
 use super::{BakeError, Performance};
 use crate::measure::{KnownPush, PushPoint};
-use crate::model::scenario::Scenario;
+use crate::model::scenario::{Push, Scenario};
 use crate::model::{Body, BodyPose, Load, Physique, Terrain};
 use crate::ragdoll::control::Assist;
 use crate::sim::{Ahead, Articulated, ArticulatedOptions, Ease, Incoming, Script, Things, simulate_with};
@@ -150,7 +150,11 @@ pub fn stroll(scenario: &Scenario, performance: &Performance) -> Stroll {
     let script = Script::of(scenario, Vec::new());
     let until = performance.lost.unwrap_or(f64::INFINITY).min(scenario.duration);
     let tempo = (performance.timeline.body.leg_length / 0.83).sqrt();
-    let (mut since, mut wanted, mut got, mut settled) = (0.0, 0.0, 0.0, 0.0);
+    let shoves = |time: f64| {
+        let acts = |push: &Push| (push.start..push.start + push.duration).contains(&time);
+        scenario.push.iter().any(|push| push.duration < SHOVES && acts(push))
+    };
+    let (mut since, mut even, mut wanted, mut got, mut settled) = (0.0, 0.0, 0.0, 0.0, 0.0);
     let (mut longest, mut goes): (f64, bool) = (0.0, false);
     for (index, tick) in trace.ticks.iter().enumerate() {
         let time = index as f64 * trace.dt;
@@ -159,9 +163,10 @@ pub fn stroll(scenario: &Scenario, performance: &Performance) -> Stroll {
         }
         let order = script.intent(time).walk.unwrap_or_default();
         since = if order.length() > SLOWEST { since + trace.dt } else { 0.0 };
+        even = if since > 0.0 && !shoves(time) { even + trace.dt } else { 0.0 };
         longest = longest.max(since);
         goes |= matches!(tick.gait, Phase::Double | Phase::Single);
-        if since > GATHERS * tempo {
+        if even > GATHERS * tempo {
             settled += 1.0;
             wanted += order.length();
             got += glam::DVec2::new(tick.velocity.x, tick.velocity.z).dot(order.normalize_or_zero());
@@ -179,10 +184,12 @@ pub fn stroll(scenario: &Scenario, performance: &Performance) -> Stroll {
 
 /// m/s, slower is no walk.
 const SLOWEST: f64 = 0.05;
-/// s after a walk is asked for, for legs of 0.83 m: when it must have set off, and when it must be up to its speed.
+/// s after a walk is asked for, for legs of 0.83 m: when it must have set off, and when it must be up to its speed, then and after a shove.
 const SETS_OFF: f64 = 1.5;
 /// As [`SETS_OFF`] says.
 const GATHERS: f64 = 4.0;
+/// s, a shove is shorter: what pushes for longer is walked against.
+const SHOVES: f64 = 1.0;
 
 impl Driven {
     /// Its balls as the report takes them, one for each hit and one for each that missed.

@@ -387,7 +387,9 @@ impl Controller {
             let error = short(wanted * self.states[link].turn.inverse());
             (error * gains[0] - self.states[link].spin * gains[1]).clamp_length_max(most)
         };
-        let angular = turn(0, facing, tuning.pelvis, tuning.pelvis_most);
+        let [by, rate, quickens] = self.with_stride(figure, 0);
+        let strides = DVec3::Y * (rate * tuning.pelvis[1] + quickens);
+        let angular = turn(0, DQuat::from_rotation_y(by) * facing, tuning.pelvis, tuning.pelvis_most) + strides;
         let trunk = turn(figure.trunk, facing, tuning.trunk, 60.0);
         self.pose_joints(figure);
         let legs = Side::BOTH.map(|side| {

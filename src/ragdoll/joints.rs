@@ -23,7 +23,7 @@ impl Controller {
         for index in 1..count {
             let link = &figure.links[index];
             let parent = link.parent.unwrap_or(0);
-            let [angle, rate, quickens] = self.against_stride(figure, index);
+            let [angle, rate, quickens] = self.with_stride(figure, index);
             let angle = angle + self.hangs(link);
             let axis = if index == figure.trunk { DVec3::Y } else { DVec3::X };
             let swung = DQuat::from_axis_angle(axis, angle) * self.posture[index];

@@ -179,8 +179,7 @@ impl Controller {
         };
         let whole = thigh + shank;
         let away = self.states[hip].origin.distance(self.states[ankle].origin);
-        let [early, quicker] =
-            if self.guided { guide::knees((self.time - swing.start) / swing.time) } else { [1.0; 2] };
+        let [early, quicker] = if self.guided { self.knees((self.time - swing.start) / swing.time) } else { [1.0; 2] };
         let share = smooth3((away / whole - self.tuning.straight) / 0.05) * early;
         if share <= 0.0 {
             return None;

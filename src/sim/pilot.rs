@@ -29,6 +29,10 @@ const MOST: f64 = 0.3;
 /// s at legs of 0.83 m: without ankle feedback, for each m/s that it lacks the pressure is so far (m) behind where the plan has it, which
 /// speeds up the whole step. By asking for more speed alone such walks are 14 % too slow at 0.9 m/s.
 const BEHIND: f64 = 0.3;
+/// The same with ankle feedback, and m/s at legs of 0.83 m from which on it is so and from which on in full: by asking for more speed alone
+/// the built-in body goes at 1.11 m/s where 1.2 is asked for. In slow walks up a flight it is in the way.
+const ROLLED: f64 = 0.15;
+const HURRIES: [f64; 2] = [0.8, 1.1];
 
 /// m/s at legs of 0.83 m, how fast the pelvis goes down into a crouch and up again.
 const SINKS: f64 = 0.2;
@@ -139,10 +143,10 @@ impl Pilot {
     /// the speed that is asked for.
     fn behind(&self) -> DVec2 {
         let (state, params) = (self.session.state(), self.session.params());
-        if params.rolls {
-            return DVec2::ZERO;
-        }
-        state.ahead * (self.lacks.dot(state.ahead) * BEHIND * params.tempo)
+        let speed = state.gait.velocity.length() / self.session.pace();
+        let [from, to] = HURRIES;
+        let share = if params.rolls { ROLLED * ((speed - from) / (to - from)).clamp(0.0, 1.0) } else { BEHIND };
+        state.ahead * (self.lacks.dot(state.ahead) * share * params.tempo)
     }
 
     /// Where in the gait it is and what velocity (m/s) it follows, where it leads.

@@ -72,6 +72,8 @@ pub struct Gait {
     pub grade: f64,
     /// m, by how much steps are longer than planned, in the mean of the last ones.
     pub longer: f64,
+    /// m, how much nearer to ξ feet are to land for steps to be as wide as planned, as the last ones were found.
+    pub nearer: f64,
     /// Does what a mesh has in the way leave nowhere to go? It stands then.
     pub barred: bool,
     /// Is a mesh's ground by the next foothold such that a sole does not lie on it everywhere?
@@ -106,6 +108,7 @@ impl Gait {
             rise: 0.0,
             grade: 0.0,
             longer: 0.0,
+            nearer: 0.0,
             barred: false,
             broken: false,
             next: None,
@@ -387,6 +390,7 @@ pub fn landed(params: &Params, physique: &Physique, state: &mut State, side: Sid
     let way = state.gait.velocity.normalize_or(state.ahead);
     let longer = (landed - stands - pace::aimed(state) * rhythm.step).dot(way);
     state.gait.longer += footfall::REMEMBERS * (longer - state.gait.longer);
+    state.gait.nearer = footfall::nearer(params, physique, state, &rhythm, side);
     enter(state, Phase::Double, side.other(), rhythm.double);
     if !params.rolls {
         state.cop = roll::contact(params, state, side);
