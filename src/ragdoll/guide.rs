@@ -52,8 +52,8 @@ const HANGS: [f64; 2] = [0.3, 0.4];
 /// Share of a guided swing in which its leg, straight when it leaves, comes to use no more of its length than one that can be steered.
 const BENDS: f64 = 0.2;
 /// Share of a guided swing up to which a straight leg is steered by its knee, share in which that ends, and how much quicker than in the
-/// law's own swings: in a slow walk and in a brisk one, where toes drag over the ground by 10 cm in each step otherwise. By where its foot is to go alone, a straight leg is dragged over the ground for 0.4 of the swing and then thrown
-/// ahead, which lifts the body off its feet.
+/// law's own swings: in a slow walk and in a brisk one, where toes drag over the ground by 10 cm in each step otherwise. By where its foot
+/// is to go alone, a straight leg is dragged over the ground for 0.4 of the swing and then thrown ahead, which lifts the body off its feet.
 const KNEES: [f64; 2] = [0.6, 0.25];
 const QUICKER: [f64; 2] = [2.0, 5.0];
 /// rad at 1 m/s, to either side, in a slow walk and in a brisk one: how far the arms swing, the trunk turns against the pelvis, and the

@@ -345,22 +345,28 @@ fn evened(params: &Params, state: &State, (rear, ankle): (DVec2, DVec2), stride:
 /// they leave the zero-moment point 2 cm outside them at 1.2 m/s.
 const BROADER: f64 = 0.02;
 const NEARER: f64 = 0.04;
-/// m/s at legs of 0.83 m, slower walks keep their feet as wide as they find them: over gaps, in crouches and on the way back to where a shove
-/// found them they stand the safer for it.
+/// m/s at legs of 0.83 m, slower walks keep their feet as wide as they find them: made narrow from 0.6 on, one of the drawn walks over gaps
+/// is in the air.
 const UNHURRIED: f64 = 0.8;
 
-/// How much nearer to ξ feet are to land, m, after a step of `side` has landed. In a steady gait a foot that lands d m beside ξ is
+/// How much nearer to ξ feet are to land, m, after a step of `side` has landed `apart` (m, x and z) from the other foot, less the way that was
+/// gone in it. In a steady gait a foot that lands d m beside ξ is
 /// d (1 + e^ωT) m beside the other one, so what steps are wider than planned is taken off that d. A body's feet come down before ξ is where
 /// it was foreseen: without this its steps are wider by 0.1 m, and after a shove by 0.3 m for good.
-pub(super) fn nearer(params: &Params, physique: &Physique, state: &State, rhythm: &Rhythm, side: Side) -> f64 {
+pub(super) fn nearer(
+    params: &Params,
+    physique: &Physique,
+    state: &State,
+    rhythm: &Rhythm,
+    (side, apart): (Side, DVec2),
+) -> f64 {
     let gait = &state.gait;
     let level = gait.longest.is_infinite() && gait.rise == 0.0 && gait.grade == 0.0 && !gait.broken;
     let slow = gait.velocity.length() < UNHURRIED * params.size / params.tempo;
     if params.even >= 1.0 || !params.rolls || slow || !level {
         return 0.0;
     }
-    let [stands, landed] = [side.other(), side].map(|side| ground(state.feet[side as usize].ankle));
-    let beside = (landed - stands - pace::aimed(state) * rhythm.step).dot(state.aside()) * side.sign();
+    let beside = apart.dot(state.aside()) * side.sign();
     let grows = 1.0 + real::exp(walk::omega(params, physique) * rhythm.step);
     let (most, bound) = (UNEVEN * params.size, NEARER * params.size);
     let wider = (beside - rhythm.width - BROADER * params.size).clamp(-most, most);

@@ -388,9 +388,10 @@ pub fn landed(params: &Params, physique: &Physique, state: &mut State, side: Sid
     let rhythm = rhythm_now(params, physique, state);
     let [stands, landed] = [side.other(), side].map(|side| ground(state.feet[side as usize].ankle));
     let way = state.gait.velocity.normalize_or(state.ahead);
-    let longer = (landed - stands - pace::aimed(state) * rhythm.step).dot(way);
+    let apart = landed - stands - pace::aimed(state) * rhythm.step;
+    let longer = apart.dot(way);
     state.gait.longer += footfall::REMEMBERS * (longer - state.gait.longer);
-    state.gait.nearer = footfall::nearer(params, physique, state, &rhythm, side);
+    state.gait.nearer = footfall::nearer(params, physique, state, &rhythm, (side, apart));
     enter(state, Phase::Double, side.other(), rhythm.double);
     if !params.rolls {
         state.cop = roll::contact(params, state, side);
