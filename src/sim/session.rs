@@ -209,7 +209,7 @@ impl Session {
         };
         let tuned = if self.embodied { Params::embodied } else { Params::new };
         let params = tuned(&self.physique, &self.style);
-        let (stumble, midair) = (params.stumble.map(|off| self.patience * off), self.patience * params.midair);
+        let (stumble, midair) = (self.patience * params.stumble, self.patience * params.midair);
         self.params = Params { stumble, midair, balls: self.balls, ..params };
     }
 

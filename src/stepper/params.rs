@@ -115,13 +115,13 @@ pub struct Params {
     pub ramp: f64,          // m/s2, of the commanded velocity
     pub step_width: f64,    // m, between the ankles' lines
     pub step_gap: f64,      // m, between the ankles of feet that pass each other
-    pub stumble: [f64; 2], // m, a wanted landing so far out of reach wants a corrective step; the same soon after a shove
-    pub midair: f64,       // m, the same of a step in the air soon after a shove
-    pub trims: bool,       // under a force that lasts it corrects its own speed, and nobody else does
-    pub fits: bool,        // steps are timed so that they land off the edges of gaps
+    pub stumble: f64,       // m, a wanted landing so far out of reach wants a corrective step
+    pub midair: f64,        // m, the same of a step in the air soon after a shove
+    pub trims: bool,        // under a force that lasts it corrects its own speed, and nobody else does
+    pub fits: bool,         // steps are timed so that they land off the edges of gaps
     pub balls: Option<f64>, // m ahead of the ankles, where feet bear with their heels up; none where heels rise by themselves or not at all
     pub even: f64,          // share that is kept of what makes a step unlike the last ones
-    pub wide: [f64; 2],     // m, steps wider than so are no walk: at its beginning on the move, and on its way
+    pub wide: f64,          // m, steps wider than so are no walk
     pub brief: f64,         // s, the swings of the first and the last step are no longer than so
     pub least_swing: f64,   // s, a hasty swing of the gait
     pub transfer: f64,      // share of the rear foot in the pivot of the step that stops
@@ -229,13 +229,13 @@ impl Params {
             ramp: 0.8 * pace / tempo,
             step_width: (0.10 * size).max(2.0 * physique.half_width + 0.005 * size),
             step_gap: (0.09 * size).max(2.0 * physique.half_width),
-            stumble: [dial(1.2, 1.0, 0.65) * size; 2],
+            stumble: dial(1.2, 1.0, 0.65) * size,
             midair: f64::INFINITY, // a foot of the pendulum's is where it is planned
             even: 1.0,
             trims: true,
             fits: false,
             balls: None,
-            wide: [f64::INFINITY; 2],
+            wide: f64::INFINITY,
             least_swing: dial(0.34, 0.28, 0.20) * tempo,
             brief: 0.45 * tempo,
             transfer: 0.14,

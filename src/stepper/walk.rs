@@ -172,7 +172,7 @@ pub fn halted(state: &State, inputs: &Inputs) -> Inputs {
     Inputs { walk: inputs.walk.filter(|_| !state.gait.barred), ..*inputs }
 }
 
-/// m of the reference body, the same as [`stumble`] where steps are fitted to the ground: who gives up there steps into a gap.
+/// m of the reference body, [`Params::stumble`] where steps are fitted to the ground: who gives up there steps into a gap.
 const STUMBLES: f64 = 0.3;
 
 /// With both feet down: is the gait in charge? It may lift a foot.
@@ -210,9 +210,9 @@ pub fn both_down(
     } else {
         let least = ((params.double_support - state.settled).max(0.0), footfall::least_swing(params, state));
         let footfall = footfall::plan(params, physique, terrain, state, state.gait.side, (left_over, single), least);
-        let wide = breadth(params, physique, state, inputs, (state.gait.side, &footfall)) > params.wide[1];
+        let wide = breadth(params, physique, state, inputs, (state.gait.side, &footfall)) > params.wide;
         let fits = footfall::fits(params, terrain, state);
-        if wide || footfall.off > if fits && params.fits { STUMBLES * params.size } else { stumble(params, state) } {
+        if wide || footfall.off > if fits && params.fits { STUMBLES * params.size } else { params.stumble } {
             state.gait.phase = Phase::Rest;
             return (false, None);
         }
@@ -236,11 +236,6 @@ pub fn both_down(
         return (true, None);
     }
     (true, Some(lift(params, physique, terrain, state, inputs, (single, dt))))
-}
-
-/// m, a wanted landing so far out of reach wants a corrective step: less will do soon after a shove, which is not yet over.
-fn stumble(params: &Params, state: &State) -> f64 {
-    params.stumble[usize::from(state.shoved < params.tempo)]
 }
 
 /// m, how far that footfall is to the side of the foot that stands, beyond what a way to the side takes: two steps' worth at once.
@@ -280,9 +275,7 @@ fn begin(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut St
             .map(|side| (side, footfall::plan(params, physique, terrain, state, side, times, least)));
         let least = usual.1.off.min(other.1.off);
         let (side, footfall) = if usual.1.off > other.1.off + 0.1 * params.size { other } else { usual };
-        if least > stumble(params, state)
-            || breadth(params, physique, state, inputs, (side, &footfall)) > params.wide[0]
-        {
+        if least > params.stumble || breadth(params, physique, state, inputs, (side, &footfall)) > params.wide {
             return false;
         }
         state.gait.spot = false;
