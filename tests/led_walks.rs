@@ -51,27 +51,32 @@ fn rigs(names: &[&'static str]) -> Vec<(&'static str, Rig)> {
 #[test]
 fn nobody_drags_a_foot_who_walks_straight_ahead() {
     let rigs = rigs(&["gdquest_mannequiny.glb", "m2m_rig_human.glb", "m2m_human_male.glb"]);
-    let cases: Vec<_> = rigs.iter().flat_map(|rig| (0..4).map(move |index| (rig, index))).collect();
+    // Short legs have the longest feet for their legs.
+    let people = rigs.iter().map(|rig| (rig, 1.0)).chain([(&rigs[0], 0.7), (&rigs[0], 0.85)]);
+    let cases: Vec<_> = people.flat_map(|person| (0..6).map(move |index| (person, index))).collect();
     let walked: Vec<_> = cases
         .into_par_iter()
-        .map(|((name, rig), index)| {
-            let speed = Seed::new(0xF007 ^ (index << 8) ^ name.len() as u64).between(0.25, 1.25);
-            let text = format!("title = \"walk\"\nduration = 12.0\n[[walk]]\nstart = 0.5\nspeed = {speed:.2}\n");
-            (format!("{name} at {speed:.2} m/s"), baked(rig, &text, index).report.plausibility)
+        .map(|(((name, rig), legs), index)| {
+            let from = 0.25 + 0.2 * index as f64;
+            let speed =
+                Seed::new(0xF007 ^ (index << 8) ^ name.len() as u64).between(from, from + 0.2) * f64::sqrt(legs);
+            let walk = format!("[character]\nleg_scale = {legs}\n[[walk]]\nstart = 0.5\nspeed = {speed:.2}");
+            let text = format!("title = \"walk\"\nduration = 12.0\n{walk}\n");
+            (format!("{name}, legs {legs}, at {speed:.2} m/s"), baked(rig, &text, index).report.plausibility)
         })
         .collect();
     for (name, found) in &walked {
         println!("{name}: a foot slides by {:.0} mm at most, score {:.2}", found.scuff_max_mm, found.score);
     }
     for (name, found) in walked {
-        assert!(found.scuff_max_mm < 40.0, "{name}: a foot slides by {:.0} mm", found.scuff_max_mm);
+        assert!(found.scuff_max_mm < 30.0, "{name}: a foot slides by {:.0} mm", found.scuff_max_mm);
         assert!(found.score > 0.85, "{name}: {:.2}, {:?}", found.score, found.notes);
     }
 }
 
 /// Of 1: the scores of each brisk walk, and of all; rad, how far a person's upper arms swing from hanging down at most.
-const LEAST: f64 = 0.75;
-const MEAN: f64 = 0.93;
+const LEAST: f64 = 0.8;
+const MEAN: f64 = 0.95;
 const SWING: f64 = 0.8;
 
 /// rad, how far ahead or behind the upper arms swing, from 4 s on.
@@ -92,8 +97,8 @@ fn brisk_walks_are_as_fast_as_asked_and_swing_their_arms_as_people_do() {
         .into_par_iter()
         .map(|seed| {
             let (rig, legs) = &people[seed as usize % people.len()];
-            let speed = Seed::new(0xB215 ^ seed).between(0.7, 1.25) * (legs * rig.body.leg_length / 0.83).sqrt();
-            let speed = speed.min(1.3);
+            let speed = Seed::new(0xB215 ^ seed).between(0.7, 1.45) * (legs * rig.body.leg_length / 0.83).sqrt();
+            let speed = speed.min(1.5);
             let character = format!("[character]\nleg_scale = {legs}\n");
             let text =
                 format!("title = \"walk\"\nduration = 12.0\n{character}[[walk]]\nstart = 0.5\nspeed = {speed:.2}\n");
@@ -111,7 +116,7 @@ fn brisk_walks_are_as_fast_as_asked_and_swing_their_arms_as_people_do() {
     for (name, off, arms, clip) in &walked {
         let found = &clip.report.plausibility;
         assert_ne!(clip.report.outcome, Outcome::Fall, "{name}");
-        assert!(off.abs() < 0.1, "{name}: {:+.1} %", 100.0 * off);
+        assert!(off.abs() < 0.05, "{name}: {:+.1} %", 100.0 * off);
         assert!(*arms < SWING, "{name}: arms swing by {:.0} degrees", arms.to_degrees());
         assert!(found.score > LEAST, "{name}: {:.2}, {:?}", found.score, found.notes);
     }
@@ -204,6 +209,19 @@ fn nobody_limps_who_walks_straight_ahead() {
     }
     for (name, limp) in walked {
         assert!(limp < 0.12, "{name}: steps differ by {limp:.3} of their length");
+    }
+}
+
+#[test]
+fn whoever_walks_stands_on_the_whole_of_his_sole() {
+    let rig = builtin();
+    for speed in [0.72, 0.74] {
+        let character = "[character]\nleg_scale = 0.85\n";
+        let text = format!("title = \"walk\"\nduration = 12.0\n{character}[[walk]]\nstart = 0.5\nspeed = {speed}\n");
+        let report = baked(&rig, &text, 0).report;
+        let on_ball = report.contacts.iter().filter(|contact| contact.part == Part::Ball);
+        let longest = on_ball.map(|contact| contact.end - contact.start).fold(0.0, f64::max);
+        assert!(longest < 0.12, "{speed} m/s: on a ball for {longest:.2} s");
     }
 }
 

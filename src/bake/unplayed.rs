@@ -13,6 +13,8 @@ use crate::whole_body::{Anatomy, Solver, stand};
 const ROUNDED: f64 = 1e-9;
 /// Share of the leg, on level ground and elsewhere: of 40 crouches to 0.5 on five bodies one took steps, at 0.47.
 const LOWEST: [f64; 2] = [0.4 + ROUNDED, 0.2 + ROUNDED];
+/// m/s, the fastest walk that faces elsewhere than it goes: faster ones were not looked at.
+const BACKWARDS: f64 = 1.3 + ROUNDED;
 /// The same beside other lanes; m/s at legs of usual length, Froude-equal at others: so fast are its walks, and those backwards and sideways.
 const LOWEST_GOING: f64 = 0.3 + ROUNDED;
 const CROUCHED: f64 = 1.0;
@@ -105,7 +107,9 @@ pub(super) fn unplayed(scenario: &Scenario, base: Option<&Base>) -> Vec<&'static
     }
     let [walks, turns, stands] = [!scenario.walk.is_empty(), !scenario.turn.is_empty(), !scenario.stand.is_empty()];
     let crouches = lowest(scenario) > 0.0;
-    parts.add(scenario.walk.iter().any(|walk| walk.speed > FASTEST), "[[walk]] at more than 1.3 m/s");
+    parts.add(scenario.walk.iter().any(|walk| walk.speed > FASTEST), "[[walk]] at more than 1.5 m/s");
+    let fast_aside = |walk: &Walk| aside(walk) && walk.speed > BACKWARDS;
+    parts.add(scenario.walk.iter().any(fast_aside), "[[walk]] backwards or sideways at more than 1.3 m/s");
     on_crouch(scenario, &mut parts);
     let over = base.is_some() || scenario.base.is_some();
     let lanes = walks || turns || stands || crouches || !scenario.carry.is_empty();

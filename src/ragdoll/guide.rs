@@ -46,7 +46,7 @@ const BRISK: [f64; 2] = [0.7, 0.9];
 const LEVEL: f64 = 0.001;
 /// m at legs of 0.83 m, at most so much higher goes a guided foot whose toes hang down: where the leg that it leaves with leans forward
 /// by more than the ankle's range.
-pub(super) const CLEARS: f64 = 0.06;
+pub(super) const CLEARS: f64 = 0.1;
 /// Shares of a guided swing in which that height is gained and lost.
 const HANGS: [f64; 2] = [0.3, 0.4];
 /// Share of a guided swing in which its leg, straight when it leaves, comes to use no more of its length than one that can be steered.
@@ -239,7 +239,7 @@ impl Controller {
     }
 
     /// Do its feet stand on level ground?
-    fn on_level(&self) -> bool {
+    pub(super) fn on_level(&self) -> bool {
         self.slants.iter().all(|slant| slant.length() < LEVEL * self.size)
     }
 

@@ -12,6 +12,7 @@ pub mod guide;
 mod help;
 mod joints;
 mod kerb;
+mod knee;
 mod linear;
 mod lying;
 pub mod plan;

@@ -11,9 +11,7 @@ use super::slope;
 use super::sole::POINTS;
 use super::swing::{self, LANDS};
 use super::{flat, short};
-use crate::maths::curve::smooth3;
 use crate::maths::quat::{wrap_angle, yaw_of};
-use crate::maths::real;
 use crate::model::{Side, Terrain};
 use glam::{DQuat, DVec2, DVec3};
 
@@ -145,7 +143,7 @@ impl Controller {
 
     /// m, where the ankle of a swinging foot is to be that is turned so and would lie flat with the turn `level`: over its reference, and what
     /// is lowest of its sole clears the ground as it would if it lay level.
-    fn swing_goal(&self, figure: &Figure, swing: &Swing, [level, turn]: [DQuat; 2], up: DVec3) -> DVec3 {
+    pub(super) fn swing_goal(&self, figure: &Figure, swing: &Swing, [level, turn]: [DQuat; 2], up: DVec3) -> DVec3 {
         let corners = figure.soles[swing.side as usize].iter();
         let lowest = corners.map(|corner| (turn * *corner).dot(up)).fold(0.0, f64::min);
         let share = (self.time - swing.start) / (LANDS * swing.time);
@@ -162,39 +160,9 @@ impl Controller {
     }
 
     /// Share of its length that a swinging leg may use now.
-    fn stretches(&self, swing: &Swing) -> f64 {
+    pub(super) fn stretches(&self, swing: &Swing) -> f64 {
         let begun = if self.guided { guide::bends((self.time - swing.start) / swing.time) } else { 1.0 };
         1.0 - (1.0 - self.tuning.stretch) * begun
-    }
-
-    /// A swinging leg that is almost straight cannot be steered by where its foot is to go: its knee is bent to the length that
-    /// it is to have instead. How much so, and the knee's acceleration, rad/s².
-    pub(super) fn bend(&self, figure: &Figure, side: Side) -> Option<(f64, f64)> {
-        let swing = self.swing.filter(|swing| swing.side == side)?;
-        let [hip, knee, ankle] = figure.legs[side as usize];
-        let (thigh, shank) = (figure.links[knee].anchor.length(), figure.links[ankle].anchor.length());
-        let flexion = |length: f64| {
-            let cos = (thigh * thigh + shank * shank - length * length) / (2.0 * thigh * shank);
-            std::f64::consts::PI - real::acos(cos.clamp(-1.0, 1.0))
-        };
-        let whole = thigh + shank;
-        let away = self.states[hip].origin.distance(self.states[ankle].origin);
-        let [early, quicker] = if self.guided { self.knees((self.time - swing.start) / swing.time) } else { [1.0; 2] };
-        let share = smooth3((away / whole - self.tuning.straight) / 0.05) * early;
-        if share <= 0.0 {
-            return None;
-        }
-        let goal = if self.guided {
-            self.swing_goal(figure, &swing, [self.soles[side as usize].level, self.states[ankle].turn], DVec3::Y)
-        } else {
-            swing.reference.at + DVec3::Y * figure.ankle_height
-        };
-        let wanted = self.states[hip].origin.distance(goal).min(self.stretches(&swing) * whole);
-        let Freedom::Hinge { axis, .. } = figure.links[knee].freedom else { return None };
-        let speed = self.motion.relative_spin(figure, knee).dot(self.states[hip].turn * axis);
-        let [stiff, damp] = self.tuning.foot;
-        let wanted = (flexion(wanted) - flexion(away)) * (stiff * quicker) - speed * (damp * quicker.sqrt());
-        Some((share, wanted.clamp(-300.0, 300.0)))
     }
 
     /// All links' accelerations for one of the pelvis; the wrench that they take.

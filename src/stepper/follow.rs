@@ -37,7 +37,7 @@ impl Params {
         let own = Params::new(physique, style);
         let pace = own.size / own.tempo;
         Params {
-            cadence: [125.0, 152.0], // with 110 one of twelve slow walks of legs of 1.0 m sways ever farther from side to side
+            cadence: [125.0, 152.0, 172.0], // with 110 one of twelve slow walks of legs of 1.0 m sways ever farther from side to side
             double: 0.45,
             walk_gain: 0.6,
             roll_ahead: 0.01 * own.size,

@@ -3,7 +3,7 @@
 
 use super::control::wrap;
 use super::gait::{self, Rhythm};
-use super::{Params, Physique, Plant, State, Swing, footing, ground, kerb, pace, support, swing, turn, walk};
+use super::{Params, Physique, Plant, State, Swing, footing, ground, kerb, pace, rise, support, swing, turn, walk};
 use crate::maths::{pendulum, real};
 use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
@@ -345,9 +345,8 @@ fn evened(params: &Params, state: &State, (rear, ankle): (DVec2, DVec2), stride:
 /// they leave the zero-moment point 2 cm outside them at 1.2 m/s.
 const BROADER: f64 = 0.02;
 const NEARER: f64 = 0.04;
-/// m/s at legs of 0.83 m, slower walks keep their feet as wide as they find them: made narrow from 0.6 on, one of the drawn walks over gaps
-/// is in the air.
-const UNHURRIED: f64 = 0.8;
+/// m/s at legs of 0.83 m, slower walks keep their feet as wide as they find them.
+const UNHURRIED: f64 = 0.4;
 
 /// How much nearer to ξ feet are to land, m, after a step of `side` has landed `apart` (m, x and z) from the other foot, less the way that was
 /// gone in it. In a steady gait a foot that lands d m beside ξ is
@@ -361,9 +360,8 @@ pub(super) fn nearer(
     (side, apart): (Side, DVec2),
 ) -> f64 {
     let gait = &state.gait;
-    let level = gait.longest.is_infinite() && gait.rise == 0.0 && gait.grade == 0.0 && !gait.broken;
     let slow = gait.velocity.length() < UNHURRIED * params.size / params.tempo;
-    if params.even >= 1.0 || !params.rolls || slow || !level {
+    if params.even >= 1.0 || !params.rolls || slow || !rise::on_level(state) {
         return 0.0;
     }
     let beside = apart.dot(state.aside()) * side.sign();

@@ -28,6 +28,9 @@ pub struct Rhythm {
 /// m/s of the reference body: a walk up to the first is slow, one from the second on is not.
 const SLOW: [f64; 2] = [0.3, 0.7];
 
+/// m/s ahead of the reference body: a walk from the second on is fast, one up to the first is not.
+const FAST: [f64; 2] = [1.2, 1.45];
+
 /// m/s of the reference body: a walk from the second on is brisk, one up to the first is not.
 const BRISK: [f64; 2] = [1.4, 1.6];
 /// m per step/min, the walk ratio ahead of one that is not brisk and of one that is: Sekiya's 0.0065, within whose spread of 0.0006 a brisk
@@ -56,7 +59,11 @@ pub fn rhythm(
     let spin = (turn.abs() * params.tempo).min(1.0);
     let hurried = ((speed - SLOW[0]) / (SLOW[1] - SLOW[0])).max(spin).max(across.abs()).max(hurried);
     let quick = hurried.clamp(0.0, 1.0);
-    let least = params.cadence[0] + (params.cadence[1] - params.cadence[0]) * quick;
+    // who cannot push off with his toes takes no more steps than usual
+    let bends = f64::from(u8::from(params.balls.is_some()));
+    let fast = bends * ((along * speed - FAST[0]) / (FAST[1] - FAST[0])).clamp(0.0, 1.0);
+    let [slowest, usual, fastest] = params.cadence;
+    let least = slowest + (usual - slowest) * quick + (fastest - usual) * fast;
     let cadence = (60.0 * speed / ratio.max(1e-4)).sqrt().max(least.max(66.0 + 36.0 * spin));
     let step = (60.0 / cadence).min((longest / params.size).min(FARTHEST) / speed.max(1e-9));
     let [least, most] = kerb::TAKES;

@@ -23,6 +23,7 @@ mod legs;
 mod mesh;
 mod pace;
 pub mod params;
+pub mod push_off;
 mod rise;
 mod roll;
 mod stand;

@@ -49,6 +49,12 @@ impl Carried {
     }
 }
 
+/// Does the gait go over level ground, with no edge near?
+pub fn on_level(state: &State) -> bool {
+    let gait = &state.gait;
+    gait.longest.is_infinite() && gait.rise == 0.0 && gait.grade == 0.0 && !gait.broken
+}
+
 /// m, how high the ground is at a place, (x, z), as far as the feet know it: the planes of the two footholds, joined by
 /// how near each is. A swinging foot counts by the way that it has gone.
 pub fn under(state: &State, at: DVec2) -> f64 {

@@ -22,11 +22,12 @@ const TURN: f64 = 1.5 * std::f64::consts::PI / 180.0;
 const LEANS: f64 = 5.0 * std::f64::consts::PI / 180.0;
 /// rad: a sole that leans by less is not raised.
 const RAISED: f64 = 0.9 * std::f64::consts::PI / 180.0;
-/// rad: a foot whose toes are bent by more stands on its ball. A millimetre at the ankle, of which the knee of a leg that is almost straight
+/// rad: a foot whose heel has risen over its toes by more stands on its ball. A millimetre at the ankle, of which the knee of a leg that is almost straight
 /// makes a few: held flat for longer, the leg would be too far from the run's.
 const BENT: f64 = 0.4 * std::f64::consts::PI / 180.0;
-/// Ticks: a shorter contact is none.
+/// Ticks: a shorter contact is none; nor is a shorter one that follows on another of its foot, as a heel rises before the foot leaves.
 const LEAST: usize = 5;
+const LEAST_ON: usize = 3;
 /// Ticks between contacts of a foot that creeps: room to go over from one to the next.
 const BETWEEN: usize = 6;
 /// Ticks in which a foot may not be pressed and stand all the same.
@@ -106,7 +107,8 @@ impl<'a> Track<'a> {
                     if roll.to + 1 == after && !meets { after } else { roll.to.min(after.saturating_sub(BETWEEN)) };
             }
         }
-        rolls.retain(|span| span.to < count && span.to + 1 >= span.from + LEAST);
+        let least = |span: &Span| if flat.iter().any(|flat| flat.to == span.from) { LEAST_ON } else { LEAST };
+        rolls.retain(|span| span.to < count && span.to + 1 >= span.from + least(span));
         flat.extend(rolls);
         flat.sort_by_key(|span| span.from);
         flat
@@ -155,7 +157,7 @@ impl<'a> Track<'a> {
     fn is_near(&self, centre: &[DVec3; 4], index: usize, part: Part) -> bool {
         let marks = self.marks(index, part);
         let off = |place: usize| marks[place].distance(centre[place]);
-        let bent = part == Part::Flat && self.bends(index) >= BENT;
+        let bent = part == Part::Flat && self.risen(index) >= BENT;
         off(0).max(off(1)) <= PLACE * self.size && off(2).max(off(3)) <= TURN && !bent
     }
 
@@ -164,7 +166,7 @@ impl<'a> Track<'a> {
         let ankle = |index: usize| self.feet[index].ankle;
         let ball = |index: usize| self.points[1][index];
         let still = self.slow(index, &ankle) && self.slow(index, &ball);
-        let flat = self.leans(index) < LEANS && self.bends(index) < BENT;
+        let flat = self.leans(index) < LEANS && self.risen(index) < BENT;
         self.pressed[index] && flat && still && self.near(index, Part::Flat)
     }
 
@@ -225,11 +227,12 @@ impl<'a> Track<'a> {
         self.feet[index].foot * self.run.body.feet[self.side as usize].level.inverse() * DVec3::Y
     }
 
-    /// rad, by how much its toes are bent: whose heel has risen stands on his ball, however still he stands.
-    fn bends(&self, index: usize) -> f64 {
+    /// rad, by how much its heel has risen over its toes: who is so stands on his ball, however still he stands. Toes of a foot that lies flat
+    /// may be bent too, as it lands.
+    fn risen(&self, index: usize) -> f64 {
         let (foot, shape) = (&self.feet[index], &self.run.body.feet[self.side as usize]);
         let along = foot.foot * shape.level.inverse() * shape.toe_level;
-        along.angle_between(foot.toe)
+        along.angle_between(foot.toe).min(self.leans(index))
     }
 
     /// rad, against the ground.
@@ -239,15 +242,16 @@ impl<'a> Track<'a> {
 
     /// Cuts a span where what it holds has gone too far.
     fn pieces(&self, whole: Span, spans: &mut Vec<Span>) {
+        let least = if whole.part == Part::Flat { LEAST } else { LEAST_ON };
         let mut from = whole.from;
-        while from + LEAST <= whole.to + 1 {
+        while from + least <= whole.to + 1 {
             let mut extent = Extent::default();
             let fits = |index: &usize| {
                 self.take(&mut extent, *index, whole.part);
                 self.fits(&extent)
             };
             let to = (from..=whole.to).take_while(fits).last().unwrap_or(from);
-            if to + 1 >= from + LEAST {
+            if to + 1 >= from + least {
                 spans.push(Span { part: whole.part, from, to });
                 from = to + BETWEEN;
             } else {

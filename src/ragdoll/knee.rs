@@ -1,0 +1,99 @@
+//! Legs that are almost straight: where a foot is to go does not tell what the knee is to do, so it is told by itself. Radians, SI.
+
+use super::control::Controller;
+use super::figure::{Figure, Freedom};
+use crate::maths::curve::smooth3;
+use crate::maths::real;
+use crate::model::Side;
+use glam::DVec3;
+
+/// Shares of its length from which on a leg that carries is unlocked and at which it is so in full: a knee at its end stays there, for no force
+/// along the leg bends it, and the body goes on over it as over a stilt: it limps.
+const LOCKS: [f64; 2] = [0.99, 1.0];
+/// rad/s², no knee is bent or stretched harder.
+const HARDEST: f64 = 300.0;
+
+/// A leg's two bones, m, and how far its ends are apart.
+struct Reach {
+    bones: [f64; 2],
+    away: f64,
+}
+
+impl Reach {
+    fn whole(&self) -> f64 {
+        self.bones[0] + self.bones[1]
+    }
+
+    /// rad, the knee's flexion where hip and ankle are so far apart.
+    fn flexion(&self, length: f64) -> f64 {
+        let [thigh, shank] = self.bones;
+        let cos = (thigh * thigh + shank * shank - length * length) / (2.0 * thigh * shank);
+        std::f64::consts::PI - real::acos(cos.clamp(-1.0, 1.0))
+    }
+}
+
+impl Controller {
+    fn leg(&self, figure: &Figure, side: Side) -> Reach {
+        let [hip, knee, ankle] = figure.legs[side as usize];
+        let bones = [figure.links[knee].anchor.length(), figure.links[ankle].anchor.length()];
+        Reach { bones, away: self.states[hip].origin.distance(self.states[ankle].origin) }
+    }
+
+    /// How much of a knee's acceleration is given by itself, 0 to 1, and the acceleration: of a leg that is almost straight.
+    pub(super) fn bend(&self, figure: &Figure, side: Side) -> Option<(f64, f64)> {
+        let swing = self.swing?;
+        let leg = self.leg(figure, side);
+        if swing.side != side {
+            return self.unlock(figure, side, &leg);
+        }
+        let [hip, _, ankle] = figure.legs[side as usize];
+        let [early, quicker] = if self.guided { self.knees((self.time - swing.start) / swing.time) } else { [1.0; 2] };
+        let share = smooth3((leg.away / leg.whole() - self.tuning.straight) / 0.05) * early;
+        if share <= 0.0 {
+            return None;
+        }
+        let goal = if self.guided {
+            self.swing_goal(figure, &swing, [self.soles[side as usize].level, self.states[ankle].turn], DVec3::Y)
+        } else {
+            swing.reference.at + DVec3::Y * figure.ankle_height
+        };
+        let wanted = self.states[hip].origin.distance(goal).min(self.stretches(&swing) * leg.whole());
+        Some((share, self.flexed(figure, side, &leg, (wanted, quicker))?))
+    }
+
+    /// The same of a leg that carries in a walk on level ground, as long as the pelvis's height lets it be.
+    fn unlock(&self, figure: &Figure, side: Side, leg: &Reach) -> Option<(f64, f64)> {
+        let share = smooth3((leg.away / leg.whole() - LOCKS[0]) / (LOCKS[1] - LOCKS[0])) * f64::from(self.on_level());
+        if !self.guided || share <= 0.0 {
+            return None;
+        }
+        let [hip, _, ankle] = figure.legs[side as usize];
+        let (hip, ankle) = (self.states[hip].origin, self.states[ankle].origin);
+        let lower = (self.states[0].origin.y - self.aimed).max(0.0);
+        let wanted = (hip - DVec3::Y * lower).distance(ankle).min(LOCKS[0] * leg.whole());
+        Some((share, self.flexed(figure, side, leg, (wanted, 1.0))?))
+    }
+
+    /// rad/s², the knee's acceleration towards such a length of its leg, so much quicker than usual.
+    fn flexed(&self, figure: &Figure, side: Side, leg: &Reach, (wanted, quicker): (f64, f64)) -> Option<f64> {
+        let [hip, knee, _] = figure.legs[side as usize];
+        let Freedom::Hinge { axis, .. } = figure.links[knee].freedom else { return None };
+        let speed = self.motion.relative_spin(figure, knee).dot(self.states[hip].turn * axis);
+        let [stiff, damp] = self.tuning.foot;
+        let asked = (leg.flexion(wanted) - leg.flexion(leg.away)) * (stiff * quicker) - speed * (damp * quicker.sqrt());
+        Some(asked.clamp(-HARDEST, HARDEST))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_straight_leg_has_no_flexion_and_a_leg_of_equal_bones_is_bent_by_twice_the_angle_of_its_half() {
+        let leg = Reach { bones: [0.4, 0.4], away: 0.8 };
+        assert!(leg.flexion(leg.whole()).abs() < 1e-6);
+        let bent = leg.flexion(0.8 * real::cos(0.3));
+        assert!((bent - 0.6).abs() < 1e-9, "{bent}");
+    }
+}
