@@ -41,7 +41,7 @@ mod tests {
     /// A body between two steps of a walk straight ahead, and its tuning.
     fn walking(speed: f64) -> (Params, State) {
         let physique = Physique::REFERENCE;
-        let params = Params::embodied(&physique, &Style::default());
+        let params = Params { balls: Some(0.13), ..Params::embodied(&physique, &Style::default()) };
         let mut state = State::standing(&params, &physique, &Terrain::flat(), DVec2::ZERO, 0.0);
         (state.gait.phase, state.gait.velocity) = (Phase::Double, state.ahead * speed);
         (params, state)
@@ -60,6 +60,12 @@ mod tests {
         assert_eq!((slow, fast), (None, Some(RISES)));
         assert!(middling.is_some_and(|rise| 0.0 < rise && rise < RISES), "{middling:?}");
         assert_eq!(rises(-1.0), None, "backwards");
+    }
+
+    #[test]
+    fn feet_that_do_not_bend_do_not_push_off() {
+        let (params, state) = walking(1.2);
+        assert_eq!(heel(&Params { balls: None, ..params }, &state), None);
     }
 
     #[test]
