@@ -207,7 +207,7 @@ fn two_at_once_in_one_folder_do_no_harm() {
 #[test]
 fn what_fails_is_listed_and_the_rest_is_done() {
     let walk = format!("{SHOVE}\n[[walk]]\nstart = 0.2\nspeed = 0.6\n");
-    let sweep = "scenario = \"walk.toml\"\nname = \"w_{walk.0.speed}\"\n[vary]\n\"walk.0.speed\" = [0.6, 1.6, 1.5]\n[bake]\ndrive = \"ragdoll\"\nassist = \"off\"\n";
+    let sweep = "scenario = \"walk.toml\"\nname = \"w_{walk.0.speed}\"\n[vary]\n\"walk.0.speed\" = [0.6, 1.6, 1.7]\n[bake]\ndrive = \"ragdoll\"\nassist = \"off\"\n";
     let shell = Shell::with(&[("walk.toml", &walk), ("sweep.toml", sweep)]);
     let told = shell.run("batch sweep.toml -o out").exits(3).says(&["2 of 3 variations failed", "w_1.6", "[[walk]]"]);
     assert!(told.out.contains("failed"), "{}", told.out);
