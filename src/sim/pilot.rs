@@ -24,7 +24,7 @@ const AT_EASE: f64 = 0.4;
 
 /// s at legs of 0.83 m, over which its speed is seen, and what was asked of it too: else what it lacks while it speeds up is gathered, and
 /// it then goes 3 to 6 % too fast for ten seconds. 1/s, how fast what it lacks is gathered; m/s, the most that is made up for of who walks
-/// backwards or sideways (with 0.5 one of five falls sideways at 1.3 m/s) and ahead (with 0.3 walks of 1.5 m/s are 9 % too slow).
+/// backwards or sideways (with 0.5 five of 25 drawn walks sideways fall, with 0.3 two) and ahead (with 0.3 walks of 1.5 m/s are 9 % too slow).
 const SEEN: f64 = 0.6;
 const GATHERS: f64 = 0.3;
 const MOST: [f64; 2] = [0.3, 0.5];

@@ -60,8 +60,8 @@ pub fn rhythm(
     let hurried = ((speed - SLOW[0]) / (SLOW[1] - SLOW[0])).max(spin).max(across.abs()).max(hurried);
     let quick = hurried.clamp(0.0, 1.0);
     // who cannot push off with his toes takes no more steps than usual
-    let bends = f64::from(u8::from(params.balls.is_some()));
-    let fast = bends * ((along * speed - FAST[0]) / (FAST[1] - FAST[0])).clamp(0.0, 1.0);
+    let fast = ((along * speed - FAST[0]) / (FAST[1] - FAST[0])).clamp(0.0, 1.0);
+    let fast = if params.balls.is_some() { fast } else { 0.0 };
     let [slowest, usual, fastest] = params.cadence;
     let least = slowest + (usual - slowest) * quick + (fastest - usual) * fast;
     let cadence = (60.0 * speed / ratio.max(1e-4)).sqrt().max(least.max(66.0 + 36.0 * spin));

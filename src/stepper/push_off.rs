@@ -8,8 +8,8 @@ use super::walk::Phase;
 use super::{Params, State, rise};
 use crate::model::Side;
 
-/// rad, how far the heel is to rise: people's feet are turned by 0.5 to 0.9 when their toes leave the ground (Winter 2009). While both feet bear
-/// there is time for 0.2 of it, the rest follows in the swing.
+/// rad, how far the heel is to rise; while both feet bear there is time for 0.2 of it, the rest follows in the swing. Measured on five bodies at
+/// 1.3 to 1.6 m/s: with 0.15 and 0.3 some still drag their toes, with 0.9 scores are as with 0.7.
 const RISES: f64 = 0.7;
 /// m/s ahead at legs of 0.83 m, from which on heels rise and from which on in full. With 0.8 and 1.1, legs of 0.58 m drag their toes at 0.5 to 0.6 m/s.
 const WALKS: [f64; 2] = [0.4, 0.8];

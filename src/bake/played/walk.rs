@@ -15,7 +15,7 @@ use crate::ragdoll::control::Assist;
 use crate::sim::{Ahead, Trace};
 use glam::{DQuat, DVec3};
 
-/// m/s on legs of 0.83 m: of clips that walk faster, bodies by themselves come apart.
+/// m/s on legs of 0.83 m: over clips that walk faster bodies were not looked at.
 const FASTEST: f64 = 1.3;
 /// Of the height in a stand: a walk whose centre of mass is lower in the mean is crouched.
 const CROUCHED: f64 = 0.92;
