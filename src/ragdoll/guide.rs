@@ -113,6 +113,8 @@ pub struct Guide {
     pub heel: Option<(Side, f64)>,
     /// It turns on the spot.
     pub spot: bool,
+    /// The step under way is the last one: it stands after it.
+    pub ends: bool,
     /// The step under way.
     pub swing: Option<Wish>,
     /// The foot that is about to leave.
@@ -169,7 +171,7 @@ impl Controller {
             self.swing = None;
             self.guided = false;
             self.last = Some(swing.side);
-            if wish.height.is_some() {
+            if wish.height.is_some() || guide.ends {
                 self.eased = self.time;
             }
             return true;

@@ -24,6 +24,8 @@ const QUICK: f64 = 0.36;
 const SHIFTS: f64 = 0.5;
 /// m at legs of 0.83 m, that soles keep from edges in steps against a fall.
 const EDGE: f64 = 0.01;
+/// Ticks for which a foot waits for the other one to bear: who falls away from that one waits in vain.
+const WAITS: usize = 3;
 /// Share of a step against a fall at which its foot is over its place.
 const ARRIVES: f64 = 0.95;
 
@@ -137,7 +139,7 @@ impl Controller {
                 // A foot leaves when the other bears.
                 let weight = self.motion.mass * GRAVITY * dt;
                 let waited = self.leaving.map_or(0, |(_, ticks)| ticks);
-                if loads[target.side.other() as usize] < self.tuning.borne * weight && waited < 8 {
+                if loads[target.side.other() as usize] < self.tuning.borne * weight && waited < WAITS {
                     self.leaving = Some((target.side, waited + 1));
                     return;
                 }
@@ -203,6 +205,7 @@ impl Controller {
         }
         if swing.free {
             let left = (arrives * swing.time - passed).max(0.02);
+            let goal = goal + self.around(figure, &swing, goal);
             swing.reference = swing::onwards(&swing.reference, goal, left, dt);
         }
         let x = (passed + dt) / (swing::LANDS * swing.time);
@@ -222,6 +225,18 @@ impl Controller {
         swing.reference.velocity.y = v;
         swing.reference.acceleration.y = a;
         self.swing = Some(swing);
+    }
+
+    /// m, (x, z): so far beside its goal a swinging foot is aimed for its leg to pass the one that stands; on level ground, for with it legs
+    /// of 1.08 m walk up 19 degrees at two thirds of their speed.
+    fn around(&self, figure: &Figure, swing: &Swing, goal: DVec2) -> DVec2 {
+        if !self.on_level() {
+            return DVec2::ZERO;
+        }
+        let stance = swing.side.other();
+        let stands = flat(self.foot(figure, stance).0) - self.slants[stance as usize];
+        let out = DVec2::new(real::cos(self.heading), -real::sin(self.heading)) * swing.side.sign();
+        out * swing::aside([flat(swing.reference.at), goal], stands, out, self.size)
     }
 
     /// Feet that do not stand side by side are set so, one after the other, once all is quiet.

@@ -47,6 +47,23 @@ pub(super) fn onwards(reference: &Reference, target: DVec2, time: f64, dt: f64) 
     next
 }
 
+/// m at legs of 0.83 m: ankles that pass each other are that far apart, and a foot is aimed at most so far beside its goal for it.
+const PASSES: f64 = 0.12;
+const ASIDE: f64 = 0.25;
+/// Share of the way, at either end of it, within which the foot that stands is not passed.
+const ENDS: f64 = 0.1;
+
+/// m, so far towards `out` of its goal a foot is to be aimed, for its straight way to pass the ankle that `stands` on that side; 0 once it has
+/// passed. Aimed anew in each tick it goes around.
+pub(super) fn aside([at, goal]: [DVec2; 2], stands: DVec2, out: DVec2, size: f64) -> f64 {
+    let way = goal - at;
+    let share = (stands - at).dot(way) / way.length_squared().max(1e-9);
+    let passes = (share.min(1.0 - share) / ENDS).clamp(0.0, 1.0);
+    let apart = (at + way * share - stands).dot(out);
+    let lacks = (PASSES * size - apart).max(0.0) * passes;
+    (lacks / share.clamp(0.3, 1.0)).min(ASIDE * size)
+}
+
 /// Share of a swing at which the foot is to be down.
 pub(super) const LANDS: f64 = 0.92;
 
@@ -91,6 +108,29 @@ pub(super) fn down(reference: &Reference, dt: f64) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_foot_that_passes_the_other_one_goes_around_it_and_still_arrives() {
+        let (stands, goal) = (DVec2::ZERO, DVec2::new(0.03, 0.35));
+        let mut foot = Reference { at: DVec3::new(0.04, 0.0, -0.4), ..Reference::default() };
+        let mut nearest = f64::INFINITY;
+        for tick in 0..30 {
+            let at = DVec2::new(foot.at.x, foot.at.z);
+            nearest = nearest.min(at.distance(stands));
+            let aimed = goal + DVec2::X * aside([at, goal], stands, DVec2::X, 1.0);
+            foot = onwards(&foot, aimed, 0.30 - 0.01 * f64::from(tick), 0.01);
+        }
+        assert!(nearest > 0.9 * PASSES, "{nearest}");
+        assert!(DVec2::new(foot.at.x, foot.at.z).distance(goal) < 1e-3, "{foot:?}");
+    }
+
+    #[test]
+    fn a_foot_whose_way_is_clear_or_that_has_passed_is_aimed_at_its_goal() {
+        let goal = DVec2::new(0.15, 0.4);
+        for at in [DVec2::new(0.15, -0.4), DVec2::new(0.03, 0.1)] {
+            assert_eq!(aside([at, goal], DVec2::ZERO, DVec2::X, 1.0), 0.0, "{at}");
+        }
+    }
 
     #[test]
     fn the_quintic_arrives_at_rest_from_any_start() {

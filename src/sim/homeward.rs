@@ -173,6 +173,7 @@ impl Homeward {
             lean: 0.0,
             heel: None,
             spot: false,
+            ends: false,
             swing,
             leaves: None,
             stride: None,

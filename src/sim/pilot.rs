@@ -137,6 +137,7 @@ impl Pilot {
             lean: state.climb.lean,
             heel: state.climb.heel.or_else(|| push_off::heel(params, state)),
             spot: gait.spot,
+            ends: gait.last,
             swing,
             leaves: follow::leaves(state, SOON),
             stride,

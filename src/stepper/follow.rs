@@ -7,7 +7,9 @@
 
 use super::rise::Carried;
 use super::{Inputs, Params, Physique, State, Step, StepKind, Style};
-use super::{balance, climb, control, decide, foothold, footing, grip, ground, rise, roll, stand, swing, walk};
+use super::{
+    balance, climb, control, decide, footfall, foothold, footing, grip, ground, rise, roll, stand, swing, walk,
+};
 use crate::maths::real;
 use crate::model::{Side, Terrain};
 use glam::DVec3;
@@ -44,17 +46,17 @@ impl Params {
             lift_height: 0.55 * own.lift_height,
             retarget: 1.2 * pace,
             step_width: 1.2 * own.step_width,
-            stumble: 0.15 * own.size,
+            stumble: 0.2 * own.size,
             even: 0.7,    // with all of it a body limps: every step makes up for the one before, too much
             trims: false, // who leads the body asks for what it lacks (`sim::pilot`): both at once run away from each other
             // Who leans by all of it against a force that lasts goes the faster the harder it is dragged back: of 200 drawn walks
             // under 60 to 80 N 180 are within 5 % of their speed and 4 fall; with this 197, and none does.
             pull: 0.8 * own.pull,
             fits: true,
-            // Lower bounds leave more to the law, which stands still after a step: with 0.05 m for `stumble` soon after a shove, 0.03 here and
-            // 0.3 for `wide` on the move 12 of 256 shoved walks fell, not 8, and 17 of 60 lost more than half of their way, not 8.
-            midair: 0.12 * own.size,
-            wide: 0.5 * own.size,
+            // Lower bounds leave more to the law, which stops: with 0.15 m for `stumble`, 0.12 here and 0.5 for `wide`, 8 of 60 shoved walks
+            // lost more than half of their way, now 4, and as many fell. Higher ones (0.3 and 0.6) drag more toes.
+            midair: 0.2 * own.size,
+            wide: 0.55 * own.size,
             most_across: -own.step_gap, // a body's foot goes straight: across, it would go through the other leg
             rolled: 0.8,
             margin: 0.5 * own.margin,
@@ -105,7 +107,7 @@ pub fn follow(
     }
     stand::hold(params, physique, terrain, state, inputs, dt);
     decide::replan(params, physique, terrain, state, dt);
-    give_up(params, state);
+    give_up(params, physique, terrain, state, dt);
     match roll::pressure(params, physique, terrain, state, dt) {
         Some(cop) => state.cop = cop,
         None => {
@@ -120,10 +122,11 @@ pub fn follow(
 }
 
 /// A step in the air that a shove has put out of reach is left to the body's own law while the foot can still be sent elsewhere.
-fn give_up(params: &Params, state: &mut State) {
+fn give_up(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut State, dt: f64) {
     let Some(swing) = state.swing.filter(|swing| swing.kind == StepKind::Walk) else { return };
     let shoved = state.shoved < params.tempo;
-    if shoved && swing.off > params.midair && swing::phase(&swing, state.time) < LATE {
+    let off = || footfall::replan(params, physique, terrain, &footfall::let_go(state), &swing, dt).0.off;
+    if shoved && swing.off > params.midair && swing::phase(&swing, state.time) < LATE && off() > params.midair {
         state.swing = None;
         state.gait.phase = walk::Phase::Rest;
     }

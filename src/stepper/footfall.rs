@@ -166,6 +166,11 @@ fn fitted(
     best
 }
 
+/// The state, were the shove over now: what it will yet do is a guess, and no reason to give a walk up.
+pub fn let_go(state: &State) -> State {
+    State { touch: state.gait.lasting, ..*state }
+}
+
 /// s, a swing of the gait takes no less: one that turns on the spot is not in a hurry.
 pub fn least_swing(params: &Params, state: &State) -> f64 {
     if state.gait.spot { params.least_swing.max(0.28 * params.tempo) } else { params.least_swing }

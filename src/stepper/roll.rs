@@ -108,26 +108,70 @@ const OVER: [f64; 2] = [0.12, 0.16];
 /// The pressure that brings the weight over the stance foot and forward of it, first away from it.
 fn prepare(params: &Params, physique: &Physique, state: &State, dt: f64) -> DVec2 {
     let gait = &state.gait;
+    let left_over = (gait.until - state.time).max(0.0);
+    if left_over <= OVER[usize::from(!gait.spot)] * params.tempo {
+        let share = (dt / left_over.max(dt)).min(1.0);
+        return state.cop + (contact(params, state, gait.side.other()) - state.cop) * share;
+    }
+    let pivot = state.inset.nearest(to_lift(params, physique, state, gait.side, left_over));
+    state.cop + (pivot - state.cop) * (1.0 - real::exp(-dt / params.lag))
+}
+
+/// m, (x, z), where the pressure has to be, held or not, for a first step of `side` to leave `left_over` s from now as a steady one would.
+fn to_lift(params: &Params, physique: &Physique, state: &State, side: Side, left_over: f64) -> DVec2 {
     let omega = omega(params, physique);
     let rhythm = &rhythm_now(params, physique, state);
-    let stance = &state.feet[gait.side.other() as usize];
-    let early = ground(stance.ankle) + support::forward(stance.yaw) * params.com_forward;
+    let stance = &state.feet[side.other() as usize];
+    let early = contact(params, state, side.other());
     let late = ground(stance.ankle) + support::forward(stance.yaw) * rhythm.roll[1];
-    let over = OVER[usize::from(!gait.spot)] * params.tempo;
-    let left_over = (gait.until - state.time).max(0.0);
-    if left_over <= over {
-        let share = (dt / left_over.max(dt)).min(1.0);
-        return state.cop + (early - state.cop) * share;
-    }
+    let over = OVER[usize::from(!state.gait.spot)] * params.tempo;
     let single = (rhythm.step - rhythm.double).min(params.brief);
-    let landing = steady_xi(params, physique, state, rhythm, gait.side, left_over + single);
+    let landing = steady_xi(params, physique, state, rhythm, side, left_over + single);
     let [one, two] = gait::weights(omega, 0.0, single);
     let at_lift = landing * real::exp(-omega * single) + early * one + late * two;
     let hold = left_over - over;
     let kept = real::exp(-omega * hold);
     let [one, two] = gait::weights(omega, hold, over);
     let xi = state.xi() + footfall::lean(params, physique, state);
-    let pivot = (xi - at_lift * real::exp(-omega * left_over) - early * two) / (1.0 - kept + one);
-    let pivot = state.inset.nearest(pivot);
-    state.cop + (pivot - state.cop) * (1.0 - real::exp(-dt / params.lag))
+    (xi - at_lift * real::exp(-omega * left_over) - early * two) / (1.0 - kept + one)
+}
+
+/// s of the reference body, in how long a walk may begin after a shove.
+const SOONEST: [f64; 5] = [0.2, 0.26, 0.32, 0.38, 0.44];
+
+/// The foot with which a walk begins soonest, and in how long (s) the weight can be off it; `None` where it takes as long as ever.
+pub fn soonest(params: &Params, physique: &Physique, state: &State) -> Option<(Side, f64)> {
+    let out = |(side, time): (Side, f64)| state.inset.outside(to_lift(params, physique, state, side, time));
+    SOONEST.into_iter().find_map(|time| {
+        let [left, right] = Side::BOTH.map(|side| (side, time * params.tempo));
+        let best = if out(right) < out(left) { right } else { left };
+        (out(best) < 0.0).then_some(best)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stepper::Style;
+
+    #[test]
+    fn a_walk_begins_the_sooner_the_nearer_the_weight_is_to_the_foot_that_stays() {
+        let physique = Physique::REFERENCE;
+        let params = Params::embodied(&physique, &Style::default());
+        let begun = |aside: f64| {
+            let mut state = State::standing(&params, &physique, &Terrain::flat(), DVec2::ZERO, 0.0);
+            state.gait.velocity = state.ahead * 0.3;
+            state.com.x = aside * state.feet[0].ankle.x;
+            soonest(&params, &physique, &state)
+        };
+        for (aside, leaves) in [(0.8, Side::Right), (-0.8, Side::Left)] {
+            let (side, time) = begun(aside).expect("the weight is almost over that foot");
+            assert_eq!(side, leaves, "the other foot stays");
+            let amid = begun(0.1 * aside).map_or(STANDS * params.tempo, |(_, time)| time);
+            assert!(time < amid, "{time} s, and {amid} s from amid the feet");
+        }
+    }
+
+    /// s, what a walk takes to begin that nothing hurries.
+    const STANDS: f64 = 0.5;
 }

@@ -210,9 +210,15 @@ pub fn both_down(
     } else {
         let least = ((params.double_support - state.settled).max(0.0), footfall::least_swing(params, state));
         let footfall = footfall::plan(params, physique, terrain, state, state.gait.side, (left_over, single), least);
-        let wide = breadth(params, physique, state, inputs, (state.gait.side, &footfall)) > params.wide;
         let fits = footfall::fits(params, terrain, state);
-        if wide || footfall.off > if fits && params.fits { STUMBLES * params.size } else { params.stumble } {
+        let most = if fits && params.fits { STUMBLES * params.size } else { params.stumble };
+        let stumbles = |state: &State, footfall: &footfall::Footfall| {
+            footfall.off > most || breadth(params, physique, state, inputs, (state.gait.side, footfall)) > params.wide
+        };
+        let times = (left_over, single);
+        let alone = footfall::let_go(state);
+        let planned = |state: &State| footfall::plan(params, physique, terrain, state, state.gait.side, times, least);
+        if stumbles(state, &footfall) && (!params.fits || stumbles(&alone, &planned(&alone))) {
             state.gait.phase = Phase::Rest;
             return (false, None);
         }
@@ -261,6 +267,9 @@ fn goes(params: &Params, state: &State, inputs: &Inputs) -> bool {
 /// s of the reference body, over which the weight goes to the foot that stands before the first step: of a turn on the spot, of a walk.
 const STARTS: [f64; 2] = [0.32, 0.5];
 
+/// s of the reference body after a shove, within which a walk that it has brought to a stand goes on as soon as it can.
+const HURRIES: f64 = 3.0;
+
 /// Enters the gait: from a stand by shifting the weight, on the move at once.
 fn begin(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut State, inputs: &Inputs) -> bool {
     let lean = balance::steady_lean(physique, state);
@@ -298,8 +307,10 @@ fn begin(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut St
         params.lead
     };
     state.gait.spot = gait.turning && way == DVec2::ZERO;
-    let shifts = STARTS[usize::from(!state.gait.spot)];
-    enter(state, Phase::Start, side, shifts * params.tempo);
+    let usual = (side, STARTS[usize::from(!state.gait.spot)] * params.tempo);
+    let hurries = params.fits && !state.gait.spot && state.shoved < HURRIES * params.tempo;
+    let (side, shifts) = if hurries { roll::soonest(params, physique, state) } else { None }.unwrap_or(usual);
+    enter(state, Phase::Start, side, shifts);
     true
 }
 
