@@ -227,10 +227,10 @@ impl Controller {
         self.swing = Some(swing);
     }
 
-    /// m, (x, z): so far beside its goal a swinging foot is aimed for its leg to pass the one that stands; on level ground, for with it legs
-    /// of 1.08 m walk up 19 degrees at two thirds of their speed.
+    /// m, (x, z): so far beside its goal a swinging foot is aimed for its leg to pass the one that stands; on level ground without treads,
+    /// for with it legs of 1.08 m walk up 19 degrees at two thirds of their speed.
     fn around(&self, figure: &Figure, swing: &Swing, goal: DVec2) -> DVec2 {
-        if !self.on_level() {
+        if !self.on_level() || self.treads {
             return DVec2::ZERO;
         }
         let stance = swing.side.other();
