@@ -248,7 +248,7 @@ fn of(baked: &Baked, direction: f64, impulse: f64) -> Measured {
         legs: (100.0 * feet.least_leg_distance / findings.leg_scale).min(99.0),
         inside: 100.0 * findings.zmp.inside,
         outside: findings.zmp.outside_p95_cm,
-        ratio: findings.speed_ratio,
+        ratio: findings.speed.map(|gain| gain.ratio),
         first_step,
         rests: findings.balance.rest_from.is_some(),
         ankle_speed: feet.peak_ankle_speed,

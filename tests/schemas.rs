@@ -135,6 +135,7 @@ fn report() -> ClipReport {
             penetration_max_mm: 0.0,
             peak_ankle_speed: 4.0,
             speed_ratio: 1.0,
+            speed_beyond: 0.0,
             hover_s: 0.0,
             hover_longest_s: 0.0,
             legs_mm: 170.0,

@@ -25,6 +25,7 @@ pub mod pops;
 pub mod residual;
 pub mod score;
 pub mod scuff;
+pub mod speed;
 pub mod stance;
 pub mod support;
 pub mod zmp;
@@ -33,6 +34,7 @@ pub use gate::{Hindrance, gate};
 pub use outcome::{Balance, balance};
 pub use plausibility::{Findings, Setting, measure, measure_in, measure_on, plausibility};
 pub use scuff::Scuff;
+pub use speed::SpeedGain;
 
 use crate::model::{Body, BodyPose, Load, Side, Terrain, report::Part};
 use glam::{DQuat, DVec3};

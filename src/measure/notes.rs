@@ -60,8 +60,13 @@ impl Findings {
         if self.zmp.flight > 0 && self.zmp.flight_worst > 2.0 {
             notes.push(format!("in flight the body is {:.1} m/s² off a free fall", self.zmp.flight_worst));
         }
-        if let Some(ratio) = self.speed_ratio.filter(|ratio| !(0.6..=1.1).contains(ratio)) {
-            notes.push(format!("the push gives {ratio:.2} of the speed that its impulse would"));
+        if let Some(gain) = self.speed.filter(|gain| gain.beyond() > 0.0) {
+            let (than, bound) =
+                if gain.ratio > 1.0 { ("at most", gain.within[1]) } else { ("at least", gain.within[0]) };
+            notes.push(format!(
+                "the push gives {:.2} of the speed that its impulse would; a body on its feet takes up {than} {bound:.2}",
+                gain.ratio
+            ));
         }
     }
 

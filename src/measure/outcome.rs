@@ -1,4 +1,4 @@
-//! How a motion ends: moved, at rest, fallen, recovered; and how much of a push the centre of mass took up.
+//! How a motion ends: moved, at rest, fallen, recovered.
 //!
 //! DESIGN "Measures" says what each word means. Scenario space, SI. "The ground below it" is the terrain's where that is
 //! known, else the plane of the contact that holds (the last one that did), y = 0 before any.
@@ -16,12 +16,6 @@ const FALLEN_SHARE: f64 = 0.57;
 const REST_SPAN: f64 = 0.5;
 /// s from a push's start within which the body must be at rest again.
 const RECOVERY_SPAN: f64 = 8.0;
-/// s after a push within which its speed shows.
-const SPEED_SPAN: f64 = 0.3;
-/// s; what pushes for longer drags, and says nothing by the speed it gives.
-const LONGEST_PUSH: f64 = 1.0;
-/// s, for which a push has the body busy.
-const BUSY: f64 = 1.0;
 /// Share of the body's height under which a joint other than the feet's lies on the ground.
 const TOUCHING_SHARE: f64 = 0.02;
 /// Share of the body's height under which a hips bone stands on the ground at rest.
@@ -100,39 +94,6 @@ impl Balance {
             (None, ..) => Outcome::Step,
         }
     }
-}
-
-/// Peak change of the centre of mass's speed along a push, from the push's start until 0.3 s after its end, over
-/// impulse / mass; of several pushes the one that is farthest from 1. Forces of all pushes in that span count into the
-/// impulse. A push that comes within a second of an earlier one meets a body that is still busy with that, and says
-/// nothing. `None` without a push of at most a second.
-pub fn speed_ratio(track: &Track, dynamics: &Dynamics, pushes: &[KnownPush]) -> Option<f64> {
-    let motion = track.motion;
-    let ratio = |push: &KnownPush| {
-        let direction = push.force.try_normalize()?;
-        let until = push.end + SPEED_SPAN;
-        let impulse: f64 = pushes
-            .iter()
-            .map(|other| (other.end.min(until) - other.start.max(push.start)).max(0.0) * other.force.dot(direction))
-            .sum();
-        let samples = motion.samples_in(push.start, until);
-        if impulse <= 0.0 || samples.is_empty() {
-            return None;
-        }
-        let mass = track.mass(samples.start);
-        let before = dynamics.velocity[samples.start].dot(direction);
-        let peak = samples.map(|sample| dynamics.velocity[sample].dot(direction) - before).fold(0.0, f64::max);
-        Some(peak * mass / impulse)
-    };
-    pushes
-        .iter()
-        .filter(|push| push.end > push.start && push.end - push.start <= LONGEST_PUSH + 1e-9)
-        .filter(|push| {
-            let busy = |other: &KnownPush| other.start < push.start && other.end + BUSY > push.start;
-            !pushes.iter().any(|other| busy(other) && other.end - other.start <= LONGEST_PUSH + 1e-9)
-        })
-        .filter_map(ratio)
-        .max_by(|a, b| (a - 1.0).abs().total_cmp(&(b - 1.0).abs()))
 }
 
 /// The extrapolated centre of mass c + v/ω, on the ground.
@@ -259,27 +220,5 @@ mod tests {
         body.joints[hand].rest.y = 0.01;
         let poses = fixture::poses(&body, 60, |_, _| {});
         assert_eq!(judged(&body, &poses, &fixture::standing(), &[]).fallen, Some(0.0));
-    }
-
-    #[test]
-    fn a_sliding_body_takes_up_all_of_a_push_and_a_braced_one_half() {
-        let body = fixture::body();
-        let moved = |share: f64, before: f64| {
-            let poses = fixture::poses(&body, 360, |pose, sample| {
-                let t = sample / 120.0;
-                let during = (t - 1.0).clamp(0.0, 0.2);
-                let a = share * 200.0 / body.mass;
-                pose.hips.x += before * t + 0.5 * a * during * during + a * during * (t - 1.2).max(0.0);
-            });
-            let track = Track::new(fixture::motion(&body, &poses)).expect("sound");
-            speed_ratio(&track, &dynamics(&track, &[]), &[push(1.0, 1.2)]).expect("a push")
-        };
-        assert!((moved(1.0, 0.0) - 1.0).abs() < 0.03, "{}", moved(1.0, 0.0));
-        assert!((moved(0.5, 0.0) - 0.5).abs() < 0.03, "{}", moved(0.5, 0.0));
-        assert!((moved(1.0, 1.5) - 1.0).abs() < 0.03, "a walk before it does not count: {}", moved(1.0, 1.5));
-        let body = fixture::body();
-        let poses = fixture::poses(&body, 360, |_, _| {});
-        let track = Track::new(fixture::motion(&body, &poses)).expect("sound");
-        assert_eq!(speed_ratio(&track, &dynamics(&track, &[]), &[push(0.0, 3.0)]), None, "a pull has none");
     }
 }

@@ -10,10 +10,11 @@ use super::hover::{Hover, hover};
 use super::joints::{JointFindings, joints};
 use super::legs::{Legs, legs};
 use super::moving::{Moving, kept_up};
-use super::outcome::{Balance, balance, speed_ratio};
+use super::outcome::{Balance, balance};
 use super::residual::{Units, residual};
 use super::score::score;
 use super::scuff::{Scuff, grounded, slides};
+use super::speed::{SpeedGain, speed_gain};
 use super::stance::{EndStance, end_stance};
 use super::support::{SMEARED, Support, support_near};
 use super::zmp::{self, ZmpFindings};
@@ -58,8 +59,8 @@ pub struct Findings {
     pub residual_kept_up: (f64, f64),
     /// N, N m: the largest missing force and moment, and when (s).
     pub residual_peak: ((f64, f64), (f64, f64)),
-    /// Peak change of speed along the push over impulse / mass; `None` without a push.
-    pub speed_ratio: Option<f64>,
+    /// What a push gave of speed; `None` without one.
+    pub speed: Option<SpeedGain>,
     /// The body's leg over the reference 0.83 m: lengths that are asked for scale with it.
     pub leg_scale: f64,
     /// The friction that the residual was measured with.
@@ -157,7 +158,7 @@ fn measure_track(track: &Track, contacts: &[HeldContact], pushes: &[KnownPush], 
         residual_kept_up: (level, motion.time(from)),
         moving,
         residual_peak: (peak(&|wrench| wrench.force.length()), peak(&|wrench| wrench.moment.length())),
-        speed_ratio: speed_ratio(track, &dynamics, pushes),
+        speed: speed_gain(track, &dynamics, pushes),
         leg_scale: motion.body.leg_length / 0.83,
         friction,
         dynamics,
@@ -188,7 +189,8 @@ impl Findings {
             scuff_max_mm: self.scuffs.iter().map(|scuff| scuff.1).fold(0.0, f64::max),
             penetration_max_mm: self.feet.penetration_max_mm,
             peak_ankle_speed: self.feet.peak_ankle_speed,
-            speed_ratio: self.speed_ratio.unwrap_or(0.0),
+            speed_ratio: self.speed.map_or(0.0, |gain| gain.ratio),
+            speed_beyond: self.speed.map_or(0.0, |gain| gain.beyond()),
             hover_s: self.hover.total,
             hover_longest_s: self.hover.longest,
             legs_mm: 1000.0 * self.legs.least / self.leg_scale,

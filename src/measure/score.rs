@@ -39,8 +39,6 @@ pub fn score(report: &Plausibility, friction: f64, given: bool) -> f64 {
 
 /// Balance, forces and feet; balance and forces count twice.
 fn forces(report: &Plausibility, friction: f64) -> [Term; 11] {
-    let ratio = report.speed_ratio;
-    let speed = if ratio == 0.0 { 0.0 } else { (ratio - 1.1).max(0.6 - ratio).max(0.0) };
     [
         (2.0, 1.0 - report.zmp_inside, 0.2),
         (2.0, report.zmp_outside_p95_cm, 6.0),
@@ -52,7 +50,7 @@ fn forces(report: &Plausibility, friction: f64) -> [Term; 11] {
         (1.0, report.scuff_max_mm, 40.0),                 // the same of a foot that nobody expects to stand
         (1.0, report.penetration_max_mm, 30.0),
         (1.0, (report.peak_ankle_speed - ANKLE_SPEED).max(0.0), 4.0),
-        (1.0, speed, 0.4),
+        (1.0, report.speed_beyond, 0.4),
     ]
 }
 
@@ -104,7 +102,7 @@ mod tests {
             |p, x| p.slip_max_mm += x,
             |p, x| p.penetration_max_mm += x,
             |p, x| p.peak_ankle_speed = 8.0 + x,
-            |p, x| p.speed_ratio = 1.1 + 0.1 * x,
+            |p, x| p.speed_beyond = 0.1 * x,
             |p, x| p.legs_mm = 125.0 - x,
             |p, x| p.joint_excess_deg = x,
             |p, x| p.joint_excess_share = 0.1 * x,
