@@ -163,6 +163,7 @@ fn deep_crouches_are_held_and_risen_from() {
         let (steps, score) = (report.steps, &report.plausibility);
         println!("{seed}: {amount:.2}: {share:.2} of it, {steps} steps, score {:.2}, {rises:+.3} m", score.score);
         assert_ne!(report.outcome, Outcome::Fall, "{seed}");
+        assert_eq!(steps, 0, "{seed}: it steps, and nobody pushed it");
         // of the legs' length, which is 0.86 of the pelvis's height and more
         assert!((0.75..1.0).contains(&share), "{seed}: lower by {share:.2} of what was asked");
         assert!(rises.abs() < 0.03, "{seed}: {rises:+.3} m after it has risen");

@@ -13,21 +13,24 @@ use glam::{DVec2, DVec3};
 /// bodies, none comes to its speed with 0.05, four with 0.1, all with 0.15 and more; and how much is enough.
 const SPARE: f64 = 0.18;
 const ENOUGH: f64 = 0.15;
+/// rad of it that the ankle of who crouches where he stands keeps: heels that come up at the end of the range have him step.
+const STANDS: f64 = 0.05;
 /// rad, the farthest that a trunk leans: as the posed body's (`whole_body::stoop`), which squats to 50 degrees.
 const MOST: f64 = 0.9;
 /// How often an interval is halved: to 1e-3 rad.
 const HALVED: usize = 10;
 
-/// rad, how far a trunk leans whose pelvis is held so much lower than in the stand, m: as little as leaves its ankles range.
-pub(super) fn lean(figure: &Figure, by: f64) -> f64 {
+/// rad, how far a trunk leans whose pelvis is held so much lower than in the stand, m: as little as leaves its ankles range; `goes`: to step.
+pub(super) fn lean(figure: &Figure, by: f64, goes: bool) -> f64 {
     if by <= 0.0 {
         return 0.0;
     }
+    let spare = if goes { SPARE } else { STANDS };
     let stood = Stood::of(figure);
     let (mut least, mut most) = (0.0, MOST);
     for _ in 0..HALVED {
         let lean = 0.5 * (least + most);
-        if stood.flexes(by, lean) > stood.range - SPARE { least = lean } else { most = lean }
+        if stood.flexes(by, lean) > stood.range - spare { least = lean } else { most = lean }
     }
     0.5 * (least + most)
 }

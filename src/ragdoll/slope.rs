@@ -54,7 +54,7 @@ pub fn straightened(used: f64, rise: f64) -> f64 {
 /// rad about x, by which the trunk leans of a body of which the pelvis is held that much lower, m, on that ground; `goes`: and that takes steps.
 pub fn lowered(figure: &Figure, terrain: &Terrain, by: f64, goes: bool) -> f64 {
     let least = CROUCHES * by / figure.leg_length;
-    if goes && terrain.is_flat() { crouch::lean(figure, by).max(least) } else { least }
+    if terrain.is_flat() { crouch::lean(figure, by, goes).max(least) } else { least }
 }
 
 impl Controller {
