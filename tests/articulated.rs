@@ -107,9 +107,14 @@ fn raised_arms_come_down_soon_after_the_last_step_against_a_fall() {
             if fights { step.land } else { caught }
         });
         let most = run.poses.iter().map(raised).fold(0.0, f64::max);
-        let later = run.poses[((caught + 1.3) / run.trace.dt) as usize..].iter().map(raised).fold(0.0, f64::max);
-        println!("towards {degrees}: {most:.1} degrees, {later:.1} from {:.2} s on", caught + 1.3);
-        assert!(most > 25.0 && later < 12.0, "towards {degrees}: {later:.0} of {most:.0} degrees");
+        // An unhurried step that lands later has them swing, as far as people's do in a slow walk.
+        let lands = |after: f64| run.trace.steps.iter().map(|step| step.land).find(|land| *land > after);
+        let (down, next) = (caught + 1.3, lands(caught + 1.3).unwrap_or(f64::INFINITY));
+        let index = |time: f64| ((time / run.trace.dt) as usize).min(run.poses.len());
+        let at_most = |poses: &[BodyPose]| poses.iter().map(raised).fold(0.0, f64::max);
+        let (later, swung) = (at_most(&run.poses[index(down)..index(next)]), at_most(&run.poses[index(down)..]));
+        println!("towards {degrees}: {most:.1} degrees, {later:.1} from {down:.2} s on, {swung:.1} after {next:.2} s");
+        assert!(most > 25.0 && later < 8.0 && swung < 15.0, "towards {degrees}: {later:.0}, {swung:.0} of {most:.0}");
     }
 }
 
@@ -174,7 +179,7 @@ fn a_run_is_the_same_to_the_last_bit() {
     }
 }
 
-const PINNED: u64 = 0xa06b_d8cc_cb16_1d55;
+const PINNED: u64 = 0x7d21_4804_741c_c33b;
 
 /// Seeded pushes on the chest, from and to so many N s.
 fn drawn(body: &Body, first: u64, count: usize, impulse: [f64; 2]) -> Vec<KnownPush> {

@@ -119,7 +119,7 @@ fn a_clip_tells_the_peak_torque_of_every_joint_worst_first_and_the_steppers_none
 #[test]
 fn a_fall_that_no_help_prevents_gets_none_and_says_so() {
     let drive = Drive::Ragdoll(Helped::Auto);
-    let hard = shoved(1600.0, Direction::Back);
+    let hard = shoved(2000.0, Direction::Back);
     let baked = bake(&built_in(), &hard, &BakeOptions { drive, ..BakeOptions::default() }).expect("it holds together");
     assert!(matches!(baked.fall(), Some(Fall::Down(time)) if time > 0.6 && time < 2.0), "{:?}", baked.fall());
     assert_eq!(baked.report.assist, surefoot::model::report::Assist::default());

@@ -109,7 +109,7 @@ pub struct Controller {
     pub(super) states: Vec<LinkState>,
     pub(super) accelerations: Vec<Acceleration>,
     pub(super) outside: Vec<(DVec3, DVec3)>,
-    pub(super) toes: [[f64; 2]; 2], // N m about the toe joints, of what is planned ahead of them and behind
+    pub(super) toes: [toes::Asked; 2],
     pub(super) needed: Vec<DVec3>,
     pub(super) relative: Vec<DVec3>,
     pub(super) middle: f64,
@@ -203,7 +203,7 @@ impl Controller {
             states,
             accelerations: Vec::new(),
             outside: Vec::new(),
-            toes: [[0.0; 2]; 2],
+            toes: [toes::Asked::default(); 2],
             needed: Vec::new(),
             relative: Vec::new(),
             stopped: Vec::new(),
@@ -439,6 +439,13 @@ impl Controller {
         report.bears = Side::BOTH.map(|side| self.swing.is_none_or(|swing| swing.side != side));
     }
 
+    /// How far a foot has come in a swing against a fall, 0 to 1 and beyond; `None` where it stands or is led. Not among treads, where who
+    /// stumbles swings as [`Self::swing_goal`] says.
+    fn swung(&self, side: Side) -> Option<f64> {
+        let swing = self.swing.filter(|swing| swing.side == side && !self.guided && !self.treads)?;
+        Some((self.time - swing.start) / swing.time)
+    }
+
     /// What the contacts do to the feet.
     fn press(&mut self, figure: &Figure, forces: &Forces, corners: &[(usize, Corner)]) {
         self.outside.clear();
@@ -446,7 +453,10 @@ impl Controller {
         for side in 0..2 {
             let foot = figure.legs[side][2];
             self.outside[foot] = forces.on_foot(corners, side, self.states[foot].origin);
-            self.toes[side] = toes::asked(figure, &self.states, forces, corners, side);
+            self.toes[side] = toes::Asked {
+                about: toes::asked(figure, &self.states, forces, corners, side),
+                level: self.swung(Side::BOTH[side]).map_or(0.0, toes::levels),
+            };
         }
     }
 

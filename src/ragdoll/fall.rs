@@ -18,7 +18,7 @@ const DAMPED: f64 = 6.0;
 /// Lets the joints be those of a body that has fallen for `passed` s, for the coming tick.
 pub fn relax(figure: &Figure, world: &mut World, states: &[LinkState], passed: f64) {
     let tone = TONE[1] + (TONE[0] - TONE[1]) * real::exp(-passed / WANES);
-    toes::drive(figure, world, states, &[[0.0; 2]; 2]);
+    toes::drive(figure, world, states, &[toes::Asked::default(); 2]);
     for (index, link) in figure.links.iter().enumerate().skip(1) {
         if let Part::Toes(_) = link.part {
             continue;

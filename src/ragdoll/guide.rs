@@ -48,7 +48,7 @@ const LEVEL: f64 = 0.001;
 /// by more than the ankle's range.
 pub(super) const CLEARS: f64 = 0.1;
 /// Shares of a guided swing in which that height is gained and lost.
-const HANGS: [f64; 2] = [0.3, 0.4];
+pub(super) const HANGS: [f64; 2] = [0.3, 0.4];
 /// Share of a guided swing in which its leg, straight when it leaves, comes to use no more of its length than one that can be steered.
 const BENDS: f64 = 0.2;
 /// Share of a guided swing up to which a straight leg is steered by its knee, share in which that ends, and how much quicker than in the
@@ -123,11 +123,6 @@ pub struct Guide {
     pub stride: Option<(Side, f64, f64)>,
     /// How far feet stand on their balls, 0 to 1: where ankles have no range for ground that rises ahead.
     pub balls: f64,
-}
-
-/// How much of the height for hanging toes a foot is given, by the share of its swing.
-pub(super) fn aloft(share: f64) -> f64 {
-    smooth3(share / HANGS[0]) * smooth3((1.0 - share) / HANGS[1])
 }
 
 /// How far a swinging leg has come from straight to one that can be steered, by the share of its swing.

@@ -5,7 +5,6 @@ use super::figure::Figure;
 use super::flat;
 use super::lying::RISES;
 use super::sole::{BALL, POINTS, TIP};
-use crate::maths::curve::smooth3;
 use crate::model::{Side, Terrain};
 use glam::{DQuat, DVec2, DVec3};
 
@@ -18,7 +17,7 @@ pub(super) const REACHES: f64 = 0.2;
 /// the ankle's range. With 0.06, as on the level, toes catch on the edge: of 20 walks up 5 cm none kept its feet, with this 17.
 pub(super) const CLEARS: f64 = 0.15;
 /// Shares of a swing in which that height is gained and lost.
-const HANGS: [f64; 2] = [0.2, 0.4];
+pub(super) const HANGS: [f64; 2] = [0.2, 0.4];
 /// m at legs of 0.83 m: less is no step.
 const LEVEL: f64 = 0.01;
 /// Shares of a swing: before which a foot on its way up travels only if it is over the edge, at which it is over its place, and at which it
@@ -42,11 +41,6 @@ pub(super) struct Way {
     /// m, the highest ground on the way, and how high over it the foot goes.
     pub(super) over: f64,
     pub(super) lift: f64,
-}
-
-/// How much of the height for hanging toes a foot is given, by the share of its swing.
-pub(super) fn aloft(share: f64) -> f64 {
-    smooth3(share / HANGS[0]) * smooth3((1.0 - share) / HANGS[1])
 }
 
 impl Controller {

@@ -52,8 +52,10 @@ impl Controller {
         if share <= 0.0 {
             return None;
         }
-        let goal = if self.guided {
-            self.swing_goal(figure, &swing, [self.soles[side as usize].level, self.states[ankle].turn], DVec3::Y)
+        // Not of who stumbles on treads: he has his old knees, as `CLEARS` of `tasks` says.
+        let goal = if self.guided || !self.treads {
+            let turns = [self.soles[side as usize].level, self.states[ankle].turn];
+            self.swing_goal(figure, &swing, turns, DVec3::Y)
         } else {
             swing.reference.at + DVec3::Y * figure.ankle_height
         };

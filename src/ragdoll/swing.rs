@@ -1,5 +1,6 @@
 //! The swing foot's reference: a quintic that is planned anew each tick, and a lift. Scenario space, SI.
 
+use crate::maths::curve::smooth3;
 use glam::{DVec2, DVec3};
 
 /// Where the reference is and how it moves.
@@ -51,17 +52,20 @@ pub(super) fn onwards(reference: &Reference, target: DVec2, time: f64, dt: f64) 
 const PASSES: f64 = 0.12;
 const ASIDE: f64 = 0.25;
 /// Share of the way, at either end of it, within which the foot that stands is not passed.
-const ENDS: f64 = 0.1;
+const PASSED: f64 = 0.1;
+/// Share of the way at which the foot that stands is passed, at the least, for the aim that goes around it: one that is passed earlier would need
+/// an aim far beside the goal.
+const SOONEST: f64 = 0.3;
 
 /// m, so far towards `out` of its goal a foot is to be aimed, for its straight way to pass the ankle that `stands` on that side; 0 once it has
 /// passed. Aimed anew in each tick it goes around.
 pub(super) fn aside([at, goal]: [DVec2; 2], stands: DVec2, out: DVec2, size: f64) -> f64 {
     let way = goal - at;
     let share = (stands - at).dot(way) / way.length_squared().max(1e-9);
-    let passes = (share.min(1.0 - share) / ENDS).clamp(0.0, 1.0);
+    let passes = (share.min(1.0 - share) / PASSED).clamp(0.0, 1.0);
     let apart = (at + way * share - stands).dot(out);
     let lacks = (PASSES * size - apart).max(0.0) * passes;
-    (lacks / share.clamp(0.3, 1.0)).min(ASIDE * size)
+    (lacks / share.clamp(SOONEST, 1.0)).min(ASIDE * size)
 }
 
 /// Share of a swing at which the foot is to be down.
@@ -72,6 +76,11 @@ pub(super) fn lift(x: f64) -> [f64; 3] {
     let x = x.clamp(0.0, 1.0);
     let (y, d) = (x * (1.0 - x), 1.0 - 2.0 * x);
     [16.0 * y * y, 32.0 * y * d, 32.0 * (d * d - 2.0 * y)]
+}
+
+/// How much of the height for hanging toes a foot is given at a share of its swing: gained and lost in those shares.
+pub(super) fn aloft(share: f64, [gains, loses]: [f64; 2]) -> f64 {
+    smooth3(share / gains) * smooth3((1.0 - share) / loses)
 }
 
 /// Share of a led swing at which its foot is highest: early, as people's is. m/s at legs of 0.83 m, how fast it comes down.
@@ -130,6 +139,11 @@ mod tests {
         for at in [DVec2::new(0.15, -0.4), DVec2::new(0.03, 0.1)] {
             assert_eq!(aside([at, goal], DVec2::ZERO, DVec2::X, 1.0), 0.0, "{at}");
         }
+    }
+
+    #[test]
+    fn height_for_hanging_toes_is_there_in_the_midst_of_a_swing_and_at_neither_end() {
+        assert_eq!([0.0, 0.3, 0.5, 0.6, 1.0].map(|share| aloft(share, [0.3, 0.4])), [0.0, 1.0, 1.0, 1.0, 0.0]);
     }
 
     #[test]

@@ -10,6 +10,8 @@ use super::figure::{Figure, Freedom, Link, Part};
 use super::forces::{Corner, Forces};
 use super::sole::{BALL, POINTS, TIP};
 use super::world::{LinkState, World};
+use crate::maths::curve::smooth3;
+use crate::maths::real;
 use crate::model::{Body, Role, Side};
 use glam::{DMat3, DQuat, DVec3};
 
@@ -33,6 +35,9 @@ const HIGH: f64 = 0.5;
 const LEFT: f64 = 0.2;
 /// Share of what toes could be spared under a flat foot that they are spared: the ball bears it instead of the tip.
 const SPARED: f64 = 0.5;
+/// Shares of a swing from which and by which toes are bent up as far as their foot points down, as people's are before they land on them: else
+/// they stay behind where they touch, and snap level in one frame.
+const LEVELS: [f64; 2] = [0.3, 0.6];
 
 /// How a foot bends.
 #[derive(Clone, Copy, Debug)]
@@ -211,7 +216,21 @@ impl Figure {
     }
 }
 
-/// N m about the hinge of a foot's toes (under 0 bends them down): of the planned forces on its front corners, and of those behind.
+/// How far the toes of a foot that comes down with its heel high are level by a share of its swing.
+pub(super) fn levels(share: f64) -> f64 {
+    smooth3((share - LEVELS[0]) / (LEVELS[1] - LEVELS[0]))
+}
+
+/// What a foot's toes are to do.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Asked {
+    /// N m about their hinge (under 0 bends them down): of the planned forces on the foot's front corners, and of those behind.
+    pub(super) about: [f64; 2],
+    /// 0 in line with the foot to 1 level, where that bends them up.
+    pub(super) level: f64,
+}
+
+/// N m about the hinge of a foot's toes, of the planned forces on its front corners and of those behind.
 pub(super) fn asked(
     figure: &Figure,
     states: &[LinkState],
@@ -231,9 +250,9 @@ pub(super) fn asked(
 }
 
 /// The joints of the toes for the coming tick: their springs and dampers, and what they are to give beyond so that the tips bear as is
-/// planned. `asked`: N m about each hinge (extending) of the planned forces ahead of it and behind it.
-pub(super) fn drive(figure: &Figure, world: &mut World, states: &[LinkState], asked: &[[f64; 2]; 2]) {
-    for (toes, [front, rear]) in figure.toes.iter().zip(asked) {
+/// planned.
+pub(super) fn drive(figure: &Figure, world: &mut World, states: &[LinkState], asked: &[Asked; 2]) {
+    for (toes, Asked { about: [front, rear], level }) in figure.toes.iter().zip(asked) {
         let Some(link) = *toes else { continue };
         let Freedom::Hinge { axis, .. } = figure.links[link].freedom else { continue };
         let parent = figure.links[link].parent.unwrap_or(0);
@@ -242,7 +261,9 @@ pub(super) fn drive(figure: &Figure, world: &mut World, states: &[LinkState], as
         // Under a flat foot forces at heel and tip are as good as some at the ball.
         let wanted = front - SPARED * front.min(-rear).max(0.0);
         let more = (wanted - stiffness * angle.max(0.0)).max(0.0);
-        let ahead = axis * (-angle - more / stiffness.max(1e-9));
+        let points = states[parent].turn * DVec3::Y.cross(axis);
+        let raised = level * real::atan2(-points.y, points.with_y(0.0).length()).clamp(0.0, RANGE[1]);
+        let ahead = axis * (raised - angle - more / stiffness.max(1e-9));
         world.drive(link, DVec3::splat(stiffness), DVec3::splat(damping), ahead);
     }
 }

@@ -53,11 +53,11 @@ impl Params {
             // under 60 to 80 N 180 are within 5 % of their speed and 4 fall; with this 197, and none does.
             pull: 0.8 * own.pull,
             fits: true,
-            // Lower bounds leave more to the law, which stops: with 0.15 m for `stumble`, 0.12 here and 0.5 for `wide`, 8 of 60 shoved walks
-            // lost more than half of their way, now 4, and as many fell. Higher ones (0.3 and 0.6) drag more toes.
+            // Lower bounds leave more to the law, which stops: with 0.15 m for `stumble`, 0.12 here and 0.5 for `wide`, 10 of 60 shoved walks
+            // lost more than half of their way, with these 7, and none fell. Higher ones (0.3 and 0.6) drag more toes.
             midair: 0.2 * own.size,
             wide: 0.55 * own.size,
-            most_across: -own.step_gap, // a body's foot goes straight: across, it would go through the other leg
+            most_across: -own.step_gap, // who is not lost lands his foot on its own side
             rolled: 0.8,
             margin: 0.5 * own.margin,
             least_swing: 1.2 * own.least_swing,

@@ -209,15 +209,15 @@ pub fn both_down(
         }
     } else {
         let least = ((params.double_support - state.settled).max(0.0), footfall::least_swing(params, state));
-        let footfall = footfall::plan(params, physique, terrain, state, state.gait.side, (left_over, single), least);
+        let times = (left_over, single);
+        let planned = |state: &State| footfall::plan(params, physique, terrain, state, state.gait.side, times, least);
+        let footfall = planned(state);
         let fits = footfall::fits(params, terrain, state);
         let most = if fits && params.fits { STUMBLES * params.size } else { params.stumble };
         let stumbles = |state: &State, footfall: &footfall::Footfall| {
             footfall.off > most || breadth(params, physique, state, inputs, (state.gait.side, footfall)) > params.wide
         };
-        let times = (left_over, single);
         let alone = footfall::let_go(state);
-        let planned = |state: &State| footfall::plan(params, physique, terrain, state, state.gait.side, times, least);
         if stumbles(state, &footfall) && (!params.fits || stumbles(&alone, &planned(&alone))) {
             state.gait.phase = Phase::Rest;
             return (false, None);
