@@ -142,6 +142,7 @@ pub struct Controller {
     pub(super) guided: bool, // the swing under way is the guide's
     pub(super) uphill: f64,  // rad, how far the trunk leans for ground that rises before it
     pub(super) treads: bool, // the ground has them
+    pub(super) stairs: bool, // and is no mesh
     pub(super) leans: f64,   // rad, how far the trunk is to lean forwards
 }
 
@@ -190,6 +191,7 @@ impl Controller {
             guided: false,
             uphill: 0.0,
             treads: false,
+            stairs: false,
             leans: 0.0,
             goes: false,
             aimed: states[0].origin.y,
@@ -288,7 +290,8 @@ impl Controller {
         self.strain(world);
         self.slants = Side::BOTH.map(|side| slant(figure, &self.stood_on(figure, terrain, side)));
         self.soles = Side::BOTH.map(|side| self.sole(figure, terrain, side));
-        self.treads = terrain.has_treads() || terrain.is_mesh();
+        self.stairs = terrain.has_treads();
+        self.treads = self.stairs || terrain.is_mesh();
         let floor = self.floor(figure, terrain);
         let height = (self.motion.com.y - floor).max(0.3 * self.stand_height);
         let rate = (GRAVITY / height).sqrt();
@@ -439,10 +442,10 @@ impl Controller {
         report.bears = Side::BOTH.map(|side| self.swing.is_none_or(|swing| swing.side != side));
     }
 
-    /// How far a foot has come in a swing against a fall, 0 to 1 and beyond; `None` where it stands or is led. Not among treads, where who
+    /// How far a foot has come in a swing against a fall, 0 to 1 and beyond; `None` where it stands or is led. Not on stairs, where who
     /// stumbles swings as [`Self::swing_goal`] says.
     fn swung(&self, side: Side) -> Option<f64> {
-        let swing = self.swing.filter(|swing| swing.side == side && !self.guided && !self.treads)?;
+        let swing = self.swing.filter(|swing| swing.side == side && !self.guided && !self.stairs)?;
         Some((self.time - swing.start) / swing.time)
     }
 

@@ -21,7 +21,7 @@ const STEEP: f64 = 0.3;
 /// twice as much and 89 % with none, but with none some end turned by 40 to 130 degrees.
 const TURNED: f64 = 0.25;
 
-/// m at legs of 0.83 m, at most so much higher goes a foot whose toes hang down in a step against a fall on treads: with as much as elsewhere
+/// m at legs of 0.83 m, at most so much higher goes a foot whose toes hang down in a step against a fall on stairs: with as much as elsewhere
 /// who stumbles there does not come on.
 const CLEARS: f64 = 0.015;
 /// Shares of a swing against a fall in which the height for hanging toes is gained and lost. A foot behind the body points down by 30 degrees:
@@ -152,11 +152,11 @@ impl Controller {
         let corners = figure.soles[swing.side as usize].iter();
         let lowest = corners.map(|corner| (turn * *corner).dot(up)).fold(0.0, f64::min);
         let share = (self.time - swing.start) / (LANDS * swing.time);
-        let (aloft, most) = match (self.treads, self.guided) {
-            (true, true) => (swing::aloft(share, kerb::HANGS), kerb::CLEARS),
-            (true, false) => (swing::lift(share)[0], CLEARS),
-            (false, true) => (swing::aloft(share, guide::HANGS), guide::CLEARS),
-            (false, false) => (swing::aloft(share, HANGS), guide::CLEARS),
+        let (aloft, most) = match self.guided {
+            true if self.treads => (swing::aloft(share, kerb::HANGS), kerb::CLEARS),
+            true => (swing::aloft(share, guide::HANGS), guide::CLEARS),
+            false if self.stairs => (swing::lift(share)[0], CLEARS),
+            false => (swing::aloft(share, HANGS), guide::CLEARS),
         };
         let off = self.over_ball(figure, swing.side, level, turn);
         let under = (-lowest - figure.ankle_height - off.y).clamp(0.0, most * self.size);
