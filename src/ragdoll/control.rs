@@ -442,10 +442,15 @@ impl Controller {
         report.bears = Side::BOTH.map(|side| self.swing.is_none_or(|swing| swing.side != side));
     }
 
-    /// How far a foot has come in a swing against a fall, 0 to 1 and beyond; `None` where it stands or is led. Not on stairs, where who
-    /// stumbles swings as [`Self::swing_goal`] says.
+    /// Are feet that point down lifted in its steps against a fall? On level ground, but for stairs: there, and up steep slopes, who stumbles
+    /// does not come on with it.
+    pub(super) fn lifts_toes(&self) -> bool {
+        self.on_level() && !self.stairs
+    }
+
+    /// How far a foot has come in a swing against a fall, 0 to 1 and beyond; `None` where it stands or is led.
     fn swung(&self, side: Side) -> Option<f64> {
-        let swing = self.swing.filter(|swing| swing.side == side && !self.guided && !self.stairs)?;
+        let swing = self.swing.filter(|swing| swing.side == side && !self.guided && self.lifts_toes())?;
         Some((self.time - swing.start) / swing.time)
     }
 

@@ -52,8 +52,7 @@ impl Controller {
         if share <= 0.0 {
             return None;
         }
-        // Who stumbles on stairs does not lift his toes, as `CLEARS` of `tasks` says.
-        let goal = if self.guided || !self.stairs {
+        let goal = if self.guided || self.lifts_toes() {
             let turns = [self.soles[side as usize].level, self.states[ankle].turn];
             self.swing_goal(figure, &swing, turns, DVec3::Y)
         } else {

@@ -21,8 +21,7 @@ const STEEP: f64 = 0.3;
 /// twice as much and 89 % with none, but with none some end turned by 40 to 130 degrees.
 const TURNED: f64 = 0.25;
 
-/// m at legs of 0.83 m, at most so much higher goes a foot whose toes hang down in a step against a fall on stairs: with as much as elsewhere
-/// who stumbles there does not come on.
+/// m at legs of 0.83 m, at most so much higher goes a foot whose toes hang down in a step against a fall where they are not lifted.
 const CLEARS: f64 = 0.015;
 /// Shares of a swing against a fall in which the height for hanging toes is gained and lost. A foot behind the body points down by 30 degrees:
 /// without that height its toes touch while it is still on its way, at 3 m/s. In 240 shoves of who stands feet slide so that it is seen 174 times
@@ -155,8 +154,8 @@ impl Controller {
         let (aloft, most) = match self.guided {
             true if self.treads => (swing::aloft(share, kerb::HANGS), kerb::CLEARS),
             true => (swing::aloft(share, guide::HANGS), guide::CLEARS),
-            false if self.stairs => (swing::lift(share)[0], CLEARS),
-            false => (swing::aloft(share, HANGS), guide::CLEARS),
+            false if self.lifts_toes() => (swing::aloft(share, HANGS), guide::CLEARS),
+            false => (swing::lift(share)[0], CLEARS),
         };
         let off = self.over_ball(figure, swing.side, level, turn);
         let under = (-lowest - figure.ankle_height - off.y).clamp(0.0, most * self.size);
