@@ -53,8 +53,8 @@ impl Params {
             // under 60 to 80 N 180 are within 5 % of their speed and 4 fall; with this 197, and none does.
             pull: 0.8 * own.pull,
             fits: true,
-            // Lower bounds leave more to the law, which stops: with 0.15 m for `stumble`, 0.12 here and 0.5 for `wide`, 10 of 60 shoved walks
-            // lost more than half of their way, with these 7, and none fell. Higher ones (0.3 and 0.6) drag more toes.
+            // With lower bounds (0.15 m for `stumble`, 0.12 here and 0.5 for `wide`) the plan gives more walks up and the law stops them, with
+            // higher ones (0.3 and 0.6) more toes are dragged.
             midair: 0.2 * own.size,
             wide: 0.55 * own.size,
             most_across: -own.step_gap, // who is not lost lands his foot on its own side
