@@ -6,7 +6,8 @@
 //! top of either.
 
 use super::dynamics::Dynamics;
-use super::{GRAVITY, KnownPush, Track};
+use super::{KnownPush, Track};
+use crate::maths::pendulum::rate;
 use crate::maths::real;
 use glam::DVec3;
 
@@ -68,7 +69,7 @@ fn gain_of(track: &Track, dynamics: &Dynamics, pushes: &[KnownPush], push: &Know
         return None;
     }
     let (first, along) = (samples.start, |sample: usize| dynamics.velocity[sample].dot(direction));
-    let omega = (GRAVITY / height(track, dynamics, first).max(0.05)).sqrt();
+    let omega = rate(height(track, dynamics, first).max(0.05));
     let (mut impulse, mut pendulum) = (0.0, 0.0);
     for other in pushes {
         let (force, left) = (other.force.dot(direction), |time: f64| (until - time.max(push.start)).max(0.0));
@@ -146,7 +147,7 @@ mod tests {
         let body = fixture::body();
         let poses = fixture::poses(&body, 2, |_, _| {});
         let track = Track::new(fixture::motion(&body, &poses)).expect("sound");
-        let omega = (GRAVITY / height(&track, &dynamics(&track, &[]), 0)).sqrt();
+        let omega = rate(height(&track, &dynamics(&track, &[]), 0));
         let a = much * FORCE / body.mass;
         let after = move |t: f64| {
             let grown = real::exp(omega * t.max(0.0));
