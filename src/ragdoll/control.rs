@@ -135,6 +135,8 @@ pub struct Controller {
     pub lower: f64,
     /// m/s, what of its speed corrective steps are to keep, (x, z).
     pub going: DVec2,
+    /// m/s, how fast it went there when it was led last: there may be a wall.
+    pub went: f64,
     /// Whether it takes steps some time by what is meant: in a crouch its trunk leans for that.
     pub goes: bool,
     /// How it stands when it is at ease, where that is not side by side.
@@ -187,6 +189,7 @@ impl Controller {
             guide: None,
             lower: 0.0,
             going: DVec2::ZERO,
+            went: 0.0,
             stance: None,
             guided: false,
             uphill: 0.0,
@@ -345,7 +348,10 @@ impl Controller {
         let moment =
             (tuning.moment[0] + if moving { tuning.moment[1] * fast } else { 0.0 }) * (mass / 89.5) * self.size;
         let led = self.guide.map(|guide| flat(guide.pressure));
-        let goal = led.unwrap_or(middle + (xi - middle) * tuning.cop_gain);
+        // Who is going somewhere is not to be brought to rest: at his speed ξ is that far ahead of him.
+        let goes = if self.on_open_ground() { self.going.clamp_length_max(self.went) } else { DVec2::ZERO };
+        let ahead = goes / self.rate();
+        let goal = led.unwrap_or(middle + (xi - ahead - middle) * tuning.cop_gain);
         let inside = closest_point(&hull, goal).unwrap_or(middle);
         let cop = inside + (goal - inside).clamp_length_max(moment / (mass * GRAVITY));
         self.report.cop = inside;
@@ -442,15 +448,15 @@ impl Controller {
         report.bears = Side::BOTH.map(|side| self.swing.is_none_or(|swing| swing.side != side));
     }
 
-    /// Are feet that point down lifted in its steps against a fall? On level ground, but for stairs: there, and up steep slopes, who stumbles
-    /// does not come on with it.
-    pub(super) fn lifts_toes(&self) -> bool {
+    /// Does it stand on level ground that is not stairs? There, who steps against a fall lifts toes that point down and keeps up his way;
+    /// on stairs and up steep slopes he does not come on with it.
+    pub(super) fn on_open_ground(&self) -> bool {
         self.on_level() && !self.stairs
     }
 
     /// How far a foot has come in a swing against a fall, 0 to 1 and beyond; `None` where it stands or is led.
     fn swung(&self, side: Side) -> Option<f64> {
-        let swing = self.swing.filter(|swing| swing.side == side && !self.guided && self.lifts_toes())?;
+        let swing = self.swing.filter(|swing| swing.side == side && !self.guided && self.on_open_ground())?;
         Some((self.time - swing.start) / swing.time)
     }
 

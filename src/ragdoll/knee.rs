@@ -52,7 +52,7 @@ impl Controller {
         if share <= 0.0 {
             return None;
         }
-        let goal = if self.guided || self.lifts_toes() {
+        let goal = if self.guided || self.on_open_ground() {
             let turns = [self.soles[side as usize].level, self.states[ankle].turn];
             self.swing_goal(figure, &swing, turns, DVec3::Y)
         } else {

@@ -154,7 +154,7 @@ impl Controller {
         let (aloft, most) = match self.guided {
             true if self.treads => (swing::aloft(share, kerb::HANGS), kerb::CLEARS),
             true => (swing::aloft(share, guide::HANGS), guide::CLEARS),
-            false if self.lifts_toes() => (swing::aloft(share, HANGS), guide::CLEARS),
+            false if self.on_open_ground() => (swing::aloft(share, HANGS), guide::CLEARS),
             false => (swing::lift(share)[0], CLEARS),
         };
         let off = self.over_ball(figure, swing.side, level, turn);

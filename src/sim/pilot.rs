@@ -70,6 +70,11 @@ impl Pilot {
         let measured = measure(course, control, self.session.state().omega(), force);
         let walking = self.session.state().gait.velocity.length() > 0.3;
         let busy = control.occupied();
+        control.went = match self.gait() {
+            Some((_, velocity)) => velocity.length(),
+            None if busy => control.went,
+            None => control.went.min(flat(control.report.velocity).length()),
+        };
         let leans = !course.terrain.is_flat();
         let shaken = leans && !self.led && !walking && control.at_ease() < AT_EASE * control.tempo();
         if busy || shaken {
