@@ -130,7 +130,7 @@ impl Homeward {
         }
         let both = scene.inside(&Side::BOTH.map(|side| scene.sole(side)).concat());
         if self.errand.is_none() {
-            let still = control.report.velocity.length() < SLOW * tempo && both > WITHIN;
+            let still = flat(control.report.velocity).length() < SLOW * tempo && both > WITHIN;
             self.quiet = if still && control.at_ease() > CALM * tempo { self.quiet + dt } else { 0.0 };
             if self.quiet < QUIET * tempo || self.waits > 0.0 {
                 return None;
