@@ -32,7 +32,7 @@ const RESTS: f64 = 0.05;
 const SAFE: [f64; 2] = [0.1, 0.4];
 /// s at legs of 0.83 m, in which who fights for his balance leaves what he did at ease, and goes back to it.
 const FIGHTS: f64 = 0.15;
-const CALMS: f64 = 0.7;
+const CALMS: f64 = 1.0;
 /// Of the kinematic body's time, what arms take to come down: these have to be moved, which takes time of its own.
 const LOWERS: f64 = 0.6;
 

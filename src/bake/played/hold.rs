@@ -12,6 +12,8 @@ use glam::{DQuat, DVec3};
 
 /// s, in which a held foot comes to where it is held, and goes on from there.
 pub(super) const FADES: f64 = 0.05;
+/// rad that the toes of a foot that is held flat may be beside the run's: a little under what any joint may.
+const TOES: f64 = 1.5 * std::f64::consts::PI / 180.0;
 /// s, to either side of a contact's end: what tells how fast the run moves there.
 const SLOPE: f64 = 2e-3;
 
@@ -99,7 +101,7 @@ impl Held {
     pub(super) fn at(&self, run: &Foot, time: f64) -> Foot {
         let holding = self.holding(time);
         if let Some(hold) = holding.filter(|hold| hold.part == Part::Flat) {
-            return hold.flat;
+            return Foot { toe: toes(run.toe, hold.flat.toe), ..hold.flat };
         }
         let mut by = [DVec3::ZERO; 3];
         for hold in &self.holds {
@@ -181,6 +183,12 @@ impl Held {
             plant: hold.plant,
         })
     }
+}
+
+/// Toes as the run's are, level where they nearly are: who lands on his toes, or stands with a little off them, stands on the rest of his sole.
+fn toes(run: DQuat, level: DQuat) -> DQuat {
+    let far = level.angle_between(run);
+    if far <= TOES { level } else { level.slerp(run, 1.0 - TOES / far) }
 }
 
 impl Ease {
