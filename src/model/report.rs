@@ -236,7 +236,7 @@ pub struct Plausibility {
     pub peak_ankle_speed: f64,
     /// Peak change of the centre of mass's speed along the push over impulse / mass; 0 without a push.
     pub speed_ratio: f64,
-    /// How far that is from what a body on its feet can have: braced, or falling with the push as a pendulum.
+    /// How far that is from what a body on its feet can have, which answers the push after 0.12 s or falls with it as a pendulum.
     #[serde(default)]
     pub speed_beyond: f64,
     /// s in the air: neither foot in contact nor scuffing over the ground, while it has not fallen.
