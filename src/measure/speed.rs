@@ -32,7 +32,7 @@ const OVER_PENDULUM: f64 = 1.1;
 /// What one push gave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpeedGain {
-    /// Peak change of the centre of mass's speed along the push, from its start until 0.3 s after its end, over
+    /// Peak change of the centre of mass's speed along the push, from just before its start until 0.3 s after its end, over
     /// impulse / mass. Forces of all pushes in that span count into the impulse.
     pub ratio: f64,
     /// The ratios that a body on its feet can have.
@@ -66,7 +66,7 @@ pub fn speed_gain(track: &Track, dynamics: &Dynamics, pushes: &[KnownPush]) -> O
 fn gain_of(track: &Track, dynamics: &Dynamics, pushes: &[KnownPush], push: &KnownPush) -> Option<SpeedGain> {
     let direction = push.force.try_normalize()?;
     let until = push.end + SHOWS;
-    let samples = track.motion.samples_in(push.start, until);
+    let samples = track.motion.samples_in((push.start - SMEARED).max(0.0), until);
     if samples.is_empty() {
         return None;
     }
@@ -84,7 +84,7 @@ fn gain_of(track: &Track, dynamics: &Dynamics, pushes: &[KnownPush], push: &Know
         return None;
     }
     let mass = track.mass(first);
-    let own = own_change(track, dynamics, direction, push.start, until - push.start) * mass / impulse;
+    let own = own_change(track, dynamics, direction, push.start, until - push.start + SMEARED) * mass / impulse;
     let peak = samples.map(|sample| along(sample) - along(first)).fold(0.0, f64::max);
     Some(SpeedGain {
         ratio: peak * mass / impulse,
