@@ -1,9 +1,9 @@
 //! How much of a push the centre of mass takes up, and how much it could.
 //!
 //! Scenario space, SI. A body that stops a push as soon as people answer takes up what the push gave until then. A body
-//! that falls with the push gains more than the impulse, from gravity: an inverted pendulum of rate ω = √(g/h) over a fixed pivot that is pushed with F from s to e has at T gained
-//! F/(mω)·(sinh ω(T-s) - sinh ω(T-e)). What a motion changes its speed by without a push (a walk's sway, a start) comes on
-//! top of either.
+//! that falls with the push gains more than the impulse, from gravity: an inverted pendulum of rate ω = √(g/h) over a fixed
+//! pivot that is pushed with F from s to e has at T gained F/(mω)·(sinh ω(T-s) - sinh ω(T-e)). What a motion changes its
+//! speed by without a push (a walk's sway, a start) comes on top of either.
 
 use super::dynamics::Dynamics;
 use super::{KnownPush, Track};

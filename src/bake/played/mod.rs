@@ -406,11 +406,13 @@ mod tests {
             .collect()
     }
 
-    fn played(slides: f64) -> (Body, Anatomy, Played) {
+    /// Of that, with the left toes so far (rad) off the ground.
+    fn played(slides: f64, raised: f64) -> (Body, Anatomy, Played) {
         let body = fixture::body();
         let anatomy = Anatomy::new(&body);
-        let poses = rolling(&body, &anatomy, slides);
+        let mut poses = rolling(&body, &anatomy, slides);
         let toes = [Role::LeftToes, Role::RightToes].map(|role| body.joint(role).expect("toes"));
+        poses.iter_mut().for_each(|pose| pose.turns[toes[0]] = DQuat::from_rotation_x(-raised) * pose.turns[toes[0]]);
         let mut joints: Vec<usize> = vec![0];
         joints.extend(anatomy.legs.iter().flat_map(|leg| [leg.upper, leg.lower, leg.foot]).chain(toes));
         let run = Run {
@@ -428,7 +430,7 @@ mod tests {
 
     #[test]
     fn a_foot_that_rolls_over_its_ball_holds_the_ball_while_the_heel_rises_as_it_did() {
-        let (body, anatomy, played) = played(0.0);
+        let (body, anatomy, played) = played(0.0, 0.0);
         let own: Vec<FootContact> = played.contacts().into_iter().filter(|one| one.side == Side::Left).collect();
         let parts: Vec<Part> = own.iter().map(|one| one.part).collect();
         assert_eq!(parts, [Part::Flat, Part::Ball], "{own:?}");
@@ -455,9 +457,20 @@ mod tests {
     }
 
     #[test]
+    fn a_foot_that_stands_flat_with_its_toes_off_the_ground_is_in_contact_all_along() {
+        let (body, anatomy, played) = played(0.0, 5f64.to_radians());
+        let toe = anatomy.legs[0].toe.expect("toes");
+        let first = played.contacts().into_iter().find(|one| one.side == Side::Left).expect("it stands");
+        assert!(first.part == Part::Flat && first.start == 0.0 && first.end > 0.99, "{first:?}");
+        let pose = played.pose_at(&body, &anatomy, &Terrain::flat(), 0.5);
+        let off = drift::between(&body, &[toe], &played.run_at(0.5), &pose);
+        assert!(off.within(&MOST), "the toes are where they were: {off:?}");
+    }
+
+    #[test]
     fn a_foot_that_creeps_is_held_in_pieces_and_one_that_slides_not_at_all() {
         let pieces = |slides: f64| {
-            let contacts = played(slides).2.contacts();
+            let contacts = played(slides, 0.0).2.contacts();
             contacts
                 .iter()
                 .filter(|one| one.side == Side::Left && one.end < 0.55)
