@@ -74,6 +74,8 @@ mod hostile;
 mod keys;
 /// Balls, boxes, and how long a recovery takes.
 mod lanes;
+/// Any lane on any ground by the articulated body, drawn together.
+mod led_anywhere;
 /// The articulated body crouched: walks, and crouches in the midst of other lanes.
 mod led_crouch;
 /// The articulated body walking, turning and on one foot on slopes, gaps and uneven ground, shoved.

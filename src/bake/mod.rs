@@ -16,7 +16,6 @@ mod chain;
 mod clearance;
 pub mod contacts;
 mod converge;
-mod crossed;
 mod curved;
 pub mod feet;
 mod feet_based;

@@ -14,6 +14,9 @@ const TURNS: f64 = 4.5;
 /// rad, how far from where it is told to face it may end: 20 degrees, which is seen.
 const OFF: f64 = 0.35;
 
+/// Share of the leg by which a crouch may be less than asked.
+const CROUCHES: f64 = 0.03;
+
 /// What it never did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shirked {
@@ -84,6 +87,34 @@ pub(super) fn strayed(scenario: &Scenario, performance: &Performance) -> Option<
             Some(format!("on legs of {leg:.2} m the ragdoll walks at most {most:.2} m/s, not {asked:.2}"))
         }
         Stroll::Slower(got, wanted) => Some(format!("the ragdoll walks at {got:.2} m/s, not {wanted:.2}")),
-        Stroll::AsTold | Stroll::Never => None,
+        Stroll::AsTold | Stroll::Never => too_high(scenario, performance),
     }
+}
+
+/// Who walks goes no lower than his ankles allow.
+fn too_high(scenario: &Scenario, performance: &Performance) -> Option<String> {
+    let [lowest, asked] = crouched(scenario, performance);
+    (lowest < asked - CROUCHES)
+        .then(|| format!("the ankles of the ragdoll let it walk crouched by {lowest:.2} at most, not {asked:.2}"))
+}
+
+/// Shares of the leg by which who walks some time is lower than in the stand, at the most, and by which he was to be.
+fn crouched(scenario: &Scenario, performance: &Performance) -> [f64; 2] {
+    if scenario.walk.iter().all(|walk| walk.speed <= 0.0) {
+        return [0.0; 2];
+    }
+    let lowest = performance.trace.ticks.iter().map(|tick| tick.crouched).fold(0.0, f64::max);
+    let asked = scenario.crouch.iter().map(|crouch| crouch.amount).fold(scenario.character.crouch, f64::max);
+    [lowest / performance.timeline.body.leg_length, asked]
+}
+
+/// How much of the speed and of the depth of what it is told an articulated body comes to, 0 to 1: the lesser of both.
+pub(super) fn obeyed(scenario: &Scenario, performance: &Performance) -> f64 {
+    let speed = match stroll(scenario, performance) {
+        Stroll::Slower(got, wanted) => got / wanted,
+        Stroll::AsTold | Stroll::Never => 1.0,
+    };
+    let [lowest, asked] = crouched(scenario, performance);
+    let depth = if lowest < asked - CROUCHES { lowest / asked } else { 1.0 };
+    speed.min(depth).clamp(0.0, 1.0)
 }

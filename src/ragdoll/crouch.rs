@@ -17,6 +17,8 @@ const ENOUGH: f64 = 0.15;
 const STANDS: f64 = 0.05;
 /// rad, the farthest that a trunk leans: as the posed body's (`whole_body::stoop`), which squats to 50 degrees.
 const MOST: f64 = 0.9;
+/// How finely the depth of crouches is gone through: of an ankle that has no range for one half as deep, deeper ones ask less again.
+const STEPS: u32 = 100;
 /// How often an interval is halved: to 1e-3 rad.
 const HALVED: usize = 10;
 
@@ -35,11 +37,12 @@ pub(super) fn lean(figure: &Figure, by: f64, goes: bool) -> f64 {
     0.5 * (least + most)
 }
 
-/// Do its ankles keep enough of their range for that under a trunk that leans as far as it may, if the pelvis is held so much lower than in the
-/// stand, m? Whose do not tiptoes, and hardly walks.
-pub fn suffices(figure: &Figure, by: f64) -> bool {
+/// m, to `most`: how much lower than in the stand the pelvis may be held for its ankles to keep enough of their range under a trunk that leans as
+/// far as it may. Who walks lower tiptoes, and hardly gets on.
+pub fn deepest(figure: &Figure, most: f64) -> f64 {
     let stood = Stood::of(figure);
-    stood.flexes(by, MOST) <= stood.range - ENOUGH
+    let lower = |step: u32| most * f64::from(step) / f64::from(STEPS);
+    (1..=STEPS).map(lower).take_while(|by| stood.flexes(*by, MOST) <= stood.range - ENOUGH).last().unwrap_or(0.0)
 }
 
 /// m, by how much lower the centre of mass is for the lean that goes with that, beyond what the pelvis is lower.

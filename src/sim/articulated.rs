@@ -10,14 +10,14 @@ use super::record::Record;
 use super::retrace::Retrace;
 use super::run::{self, Course, Run};
 use super::search::{Ahead, Search, Searched};
-use super::session::TICK;
+use super::session::{DEEPEST, TICK};
 use crate::maths::curve::smooth3;
 use crate::maths::real;
 use crate::measure::KnownPush;
 use crate::model::scenario::GroundKind;
 use crate::model::{Body, BodyPose, Load, Physique, Plant, Role, Side, Terrain};
 use crate::ragdoll::control::Assist;
-use crate::ragdoll::{Figure, Locks, slope};
+use crate::ragdoll::{Figure, Locks, crouch, slope};
 use crate::stepper::{Inputs, Style};
 use crate::whole_body::reaction::Personality;
 use crate::whole_body::solve::{Hold, PoseTarget};
@@ -195,8 +195,22 @@ pub fn simulate_with(
     };
     let target = (things.hold)(0.0).map_or(level, |hold| level.holding(hold));
     let goes = run::goes(things, options.duration);
-    let course =
-        Course { figure: &figure, body, anatomy, physique, terrain, pushes, things, level, start: plants, goes };
+    let leg = physique.leg_length;
+    let walks = run::walks(things, options.duration);
+    let deepest = if walks { crouch::deepest(&figure, DEEPEST * leg) / leg } else { DEEPEST };
+    let course = Course {
+        figure: &figure,
+        body,
+        anatomy,
+        physique,
+        terrain,
+        pushes,
+        things,
+        level,
+        start: plants,
+        goes,
+        deepest,
+    };
     let first = match &things.ease {
         Some(ease) => ease.stand.clone(),
         None if course.crouched() > 0.0 => low(&course, &standing, &target),

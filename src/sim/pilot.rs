@@ -60,7 +60,7 @@ impl Pilot {
 
     /// The plan for the coming tick: sets what guides the law, or that nothing does.
     pub(super) fn lead(&mut self, course: &Course, control: &mut Controller, inputs: &Inputs, force: DVec3) {
-        self.session.bend_to(inputs.crouch);
+        self.session.bend_to(inputs.crouch.min(course.deepest));
         if course.goes && course.terrain.is_flat() {
             self.session.stoop(control.stoops(course.figure));
         }

@@ -14,6 +14,7 @@ use crate::model::{Body, BodyPose, Load, Physique, Plant, Side, Terrain};
 use crate::ragdoll::control::Report;
 use crate::ragdoll::figure::Part;
 use crate::ragdoll::{Controller, Figure, LinkState, Stance, Tuning, World, fall};
+use crate::stepper::Inputs;
 use crate::whole_body::reaction::{Personality, Reaction, Senses, upper_turns};
 use crate::whole_body::solve::PoseTarget;
 use crate::whole_body::stand::relaxed_arms;
@@ -51,6 +52,8 @@ pub(super) struct Course<'a> {
     pub(super) start: [Plant; 2],
     /// Whether it is to walk, turn or stand on one foot some time: in a crouch its trunk leans for that.
     pub(super) goes: bool,
+    /// Share of its leg by which it crouches at the most: who is to walk some time no lower than his ankles allow.
+    pub(super) deepest: f64,
 }
 
 /// s, between the times at which it is asked what is meant.
@@ -59,12 +62,17 @@ const ASKED: f64 = 0.05;
 /// Is anything meant until `duration` (s) that takes steps or lifts a foot?
 pub(super) fn goes(things: &Things, duration: f64) -> bool {
     let first = (things.intent)(0.0).map_or(0.0, |intent| intent.facing);
-    let meant = |index: usize| {
-        (things.intent)(ASKED * index as f64).is_some_and(|intent| {
-            intent.walk.is_some_and(|walk| walk != DVec2::ZERO) || intent.facing != first || intent.stand != Feet::Both
-        })
-    };
-    (0..=(duration / ASKED).ceil().max(0.0) as usize).any(meant)
+    walks(things, duration) || meant(things, duration, |intent| intent.facing != first || intent.stand != Feet::Both)
+}
+
+/// Is it to walk until `duration` (s)?
+pub(super) fn walks(things: &Things, duration: f64) -> bool {
+    meant(things, duration, |intent| intent.walk.is_some_and(|walk| walk != DVec2::ZERO))
+}
+
+fn meant(things: &Things, duration: f64, is: impl Fn(&Inputs) -> bool) -> bool {
+    (0..=(duration / ASKED).ceil().max(0.0) as usize)
+        .any(|index| (things.intent)(ASKED * index as f64).is_some_and(|intent| is(&intent)))
 }
 
 impl Course<'_> {
@@ -75,7 +83,9 @@ impl Course<'_> {
 
     /// Share of its leg by which it stands lower when it begins.
     pub(super) fn crouched(&self) -> f64 {
-        (self.things.intent)(0.0).filter(|_| self.terrain.is_flat()).map_or(0.0, |intent| intent.crouch)
+        (self.things.intent)(0.0)
+            .filter(|_| self.terrain.is_flat())
+            .map_or(0.0, |intent| intent.crouch.min(self.deepest))
     }
 }
 

@@ -14,7 +14,7 @@ use glam::{DQuat, DVec2, DVec3};
 /// s after the end, when a foot that is held up would come down.
 const HOLDS_ON: f64 = 2.0;
 /// The share of the leg by which the deepest crouch shortens it.
-const DEEPEST: f64 = 0.6;
+pub(super) const DEEPEST: f64 = 0.6;
 /// s, the length of a tick.
 pub const TICK: f64 = 0.01;
 
