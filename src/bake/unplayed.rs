@@ -34,5 +34,5 @@ pub(super) fn unfit(scenario: &Scenario, body: &Body) -> Option<&'static str> {
 /// Are they more than feet that do not bend can go: down, unless it is one low step, or up by more than 0.1 m a step?
 fn climbed(rise: f64, count: u32) -> bool {
     const KERB: f64 = 0.1 + 1e-9;
-    rise > KERB || rise < -KERB || (rise < 0.0 && count > 1)
+    rise.abs() > KERB || (rise < 0.0 && count > 1)
 }

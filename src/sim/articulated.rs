@@ -259,7 +259,8 @@ fn play(course: &Course, mut run: Run, options: &ArticulatedOptions) -> Result<A
             continue;
         }
         if falls || gives_up {
-            // Nobody fights until he lies: seen from the end, the joints give way as soon as the body sinks for good.
+            // Nobody fights until he lies: seen from the end, the joints give way as soon as the body sinks for good, or where it meets a stair
+            // before it sinks.
             let (last, mut from) = sinking.take().filter(|_| !gives_up).unwrap_or((tick, run));
             record.cut(last + 1);
             lost = Some(last as f64 * options.dt);
@@ -267,7 +268,9 @@ fn play(course: &Course, mut run: Run, options: &ArticulatedOptions) -> Result<A
             run = from;
             break;
         }
-        if ticked.height > GIVES_WAY && (ticked.height < SINKS || sinking.is_none()) {
+        if ticked.height >= SINKS {
+            sinking = None;
+        } else if ticked.height > GIVES_WAY {
             sinking = Some((tick, run.clone()));
         }
         run.go_on(course, time)?;
