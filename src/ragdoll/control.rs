@@ -103,6 +103,8 @@ pub struct Controller {
     pub(super) facing: f64,
     pub(super) last: Option<Side>,
     pub(super) push: DVec3,
+    /// N s, of that what is not felt yet, (x, z).
+    pub(super) unfelt: DVec2,
     pub(super) before: Option<(DVec3, DVec3)>, // velocity and commanded force a tick ago
     pub(super) motion: Motion,
     pub(super) forces: Forces,
@@ -202,6 +204,7 @@ impl Controller {
             facing: yaw_of(states[0].turn),
             last: None,
             push: DVec3::ZERO,
+            unfelt: DVec2::ZERO,
             before: None,
             motion,
             forces: Forces::default(),
@@ -301,19 +304,11 @@ impl Controller {
         let momentum = if self.guide.is_some() { guide::MOMENTUM } else { self.tuning.momentum };
         let xi = self.motion.extrapolated(rate, momentum);
         self.step(figure, terrain, pressed, loads, xi, rate, dt);
-        self.act(figure, world, terrain, xi, height, floor, dt);
+        let felt = self.feels(figure, xi, rate);
+        self.act(figure, world, terrain, felt, height, floor, dt);
+        self.report.xi = xi;
         self.time += dt;
         self.report
-    }
-
-    /// The push that acts, from what the centre of mass did against what was commanded.
-    fn observe(&mut self, dt: f64) {
-        if let Some((velocity, force)) = self.before {
-            let seen = self.motion.mass * (self.motion.velocity - velocity) / dt
-                + DVec3::Y * (self.motion.mass * GRAVITY)
-                - force;
-            self.push += 0.3 * (seen - self.push);
-        }
     }
 
     /// m, the ground under the feet that bear.
@@ -444,7 +439,6 @@ impl Controller {
         let report = &mut self.report;
         report.com = self.motion.com;
         report.velocity = self.motion.velocity;
-        report.xi = xi;
         report.bears = Side::BOTH.map(|side| self.swing.is_none_or(|swing| swing.side != side));
     }
 

@@ -5,6 +5,7 @@ pub mod control;
 pub mod crouch;
 pub mod dynamics;
 pub mod fall;
+mod felt;
 pub mod figure;
 mod forces;
 mod ground;
