@@ -25,8 +25,8 @@ const HOME: (f64, f64) = (1.0, 5.0);
 /// mm from the run: a clip of the ragdoll that is farther from it over a base clip is led back to that, not played.
 const LED: f64 = 60.0;
 
-/// Share of its plausibility that the clip of a body that does nothing of what it is told is counted less by: stairs that are gone one tread at a time look better
-/// than a stride down them on the stepper's bent ankles.
+/// Share of its plausibility that the clip of a body that does nothing of what it is told, or is led back to its base clip, is counted less by:
+/// stairs that are gone one tread at a time look better than a stride down them on the stepper's bent ankles.
 const LESS: f64 = 0.3;
 
 /// Why a drive was chosen.
@@ -85,7 +85,9 @@ fn better(stepper: Baked, ragdoll: Result<Baked, BakeError>, scenario: &Scenario
         Err(error) => return stepper.chosen(format!("of the ragdoll, {error}"), None),
     };
     let scores = (stepper.report.plausibility.score, ragdoll.report.plausibility.score);
-    let weighed = scores.1 * (1.0 - LESS * (1.0 - obeyed(scenario, &ragdoll.performance)));
+    let led = over_stand(&ragdoll) && ragdoll.report.drift.is_some_and(|drift| drift.position_mm > LED);
+    let obeyed = if led { 0.0 } else { obeyed(scenario, &ragdoll.performance) };
+    let weighed = scores.1 * (1.0 - LESS * (1.0 - obeyed));
     let shirked = shirked(scenario, &ragdoll.performance);
     match (stepper.fall(), ragdoll.fall()) {
         (None, Some(_)) => stepper.chosen("the ragdoll falls".into(), Some(scores.1)),
@@ -105,11 +107,11 @@ fn better(stepper: Baked, ragdoll: Result<Baked, BakeError>, scenario: &Scenario
         _ if is_home(&stepper) && !is_home(&ragdoll) => {
             stepper.chosen("the ragdoll does not come back to the base clip".into(), Some(scores.1))
         }
-        _ if over_stand(&ragdoll) && ragdoll.report.drift.is_some_and(|drift| drift.position_mm > LED) => {
-            stepper.chosen("the ragdoll is led back to the base clip, farther than its run goes".into(), Some(scores.1))
-        }
         _ if touched(scenario) => ragdoll.chosen(TOUCHED.into(), Some(scores.0)),
         _ if weighed > scores.0 => ragdoll.chosen("its clip is the more plausible".into(), Some(scores.0)),
+        _ if led && scores.1 > scores.0 => {
+            stepper.chosen("the ragdoll is led back to the base clip, farther than its run goes".into(), Some(scores.1))
+        }
         _ if scores.1 > scores.0 => stepper.chosen("the ragdoll does less of what it is told".into(), Some(scores.1)),
         _ => stepper.chosen("its clip is the more plausible".into(), Some(scores.1)),
     }
