@@ -206,15 +206,15 @@ fn two_at_once_in_one_folder_do_no_harm() {
 
 #[test]
 fn what_fails_is_listed_and_the_rest_is_done() {
-    let walk = format!("{SHOVE}\n[[walk]]\nstart = 0.2\nspeed = 0.6\n");
-    let sweep = "scenario = \"walk.toml\"\nname = \"w_{walk.0.speed}\"\n[vary]\n\"walk.0.speed\" = [0.6, 1.6, 1.7]\n[bake]\ndrive = \"ragdoll\"\nassist = \"off\"\n";
+    let walk = format!("{SHOVE}\n[stepper]\nspring = 1.0\n");
+    let sweep = "scenario = \"walk.toml\"\nname = \"w_{stepper.spring}\"\n[vary]\n\"stepper.spring\" = [1.0, 1.6, 1.7]\n[bake]\ndrive = \"ragdoll\"\nassist = \"off\"\n";
     let shell = Shell::with(&[("walk.toml", &walk), ("sweep.toml", sweep)]);
-    let told = shell.run("batch sweep.toml -o out").exits(3).says(&["2 of 3 variations failed", "w_1.6", "[[walk]]"]);
+    let told = shell.run("batch sweep.toml -o out").exits(3).says(&["2 of 3 variations failed", "w_1.6", "[stepper]"]);
     assert!(told.out.contains("failed"), "{}", told.out);
     let csv = fs::read_to_string(shell.path("out/manifest.csv")).expect("a table");
     let row = csv.lines().nth(2).expect("a row");
-    assert!(row.contains(",failed,") && row.contains("[[walk]]"), "{row}");
-    assert!(shell.path("out/builtin/w_0.6.glb").exists() && !shell.path("out/builtin/w_1.6.glb").exists());
+    assert!(row.contains(",failed,") && row.contains("[stepper]"), "{row}");
+    assert!(shell.path("out/builtin/w_1.glb").exists() && !shell.path("out/builtin/w_1.6.glb").exists());
     shell.run("batch sweep.toml -o out --tolerant").exits(0).says(&["warning: 2 of 3 variations failed"]);
     let json = shell.run("batch sweep.toml -o out --json").exits(3).json();
     assert_eq!(json["clips"][1]["state"], "failed");

@@ -35,10 +35,13 @@ fn a_window_that_cannot_be_opened_says_why_and_a_missing_file_is_told_before() {
 
 #[test]
 fn what_the_ragdoll_cannot_play_is_named_and_a_fall_is_a_result_unless_balance_is_required() {
-    let walk = format!("{SHOVE}\n[[walk]]\nstart = 0.5\nspeed = 1.0\n[ground]\nkind = \"slope\"\nangle = 10\n");
+    let walk = format!("{SHOVE}\n[[walk]]\nstart = 0.5\nspeed = 1.0\n[stepper]\nspring = 2.0\n");
     let hard = SHOVE.replace("250.0", "1800.0");
     let shell = Shell::with(&[("walk.toml", &walk), ("hard.toml", &hard)]);
-    shell.run("bake builtin walk.toml -o out.glb --drive ragdoll").exits(2).says(&["[[walk]]", "--drive stepper"]);
+    shell
+        .run("bake builtin walk.toml -o out.glb --drive ragdoll")
+        .exits(2)
+        .says(&["spring and damping of [stepper]", "--drive stepper"]);
     let required = "bake builtin hard.toml -o out.glb --drive ragdoll --assist off --require-balance";
     shell.run(required).exits(1).says(&["fell", "nothing was written"]);
     assert_eq!(shell.files(), ["hard.toml", "walk.toml"]);

@@ -208,3 +208,21 @@ fn one_goes_down_and_up_in_the_midst_of_walks_turns_and_stands() {
     println!("mean score {:.3}", sum / 20.0);
     assert!(sum / 20.0 > 0.9, "mean score {:.3}", sum / 20.0);
 }
+
+#[test]
+fn who_is_told_to_walk_lower_than_his_ankles_allow_walks_as_low_as_they_do_and_says_so() {
+    let mut draw = Seed::new(0xDEE9);
+    for (index, subject) in subjects().iter().enumerate() {
+        let pace = draw.between(0.4, 0.8) * subject.pace();
+        let lanes = format!("[[crouch]]\nstart = 1.0\namount = 0.5\n[[walk]]\nstart = 0.5\nspeed = {pace:.3}\n");
+        let clip = subject.baked("", &lanes, index as u64);
+        assert_ne!(clip.report.outcome, Outcome::Fall, "{index}");
+        let said = clip.warnings.iter().any(|warning| warning.contains("legs of the ragdoll let it walk crouched by"));
+        assert!(said, "{index}: {:?}", clip.warnings);
+        let hips = subject.hips(&clip, &[0.0, STEADY[0], STEADY[1]]);
+        let speed = (hips[2].z - hips[1].z) / (STEADY[1] - STEADY[0]);
+        let lower = (hips[0].y - hips[2].y) / subject.leg;
+        println!("{index}: {lower:.2} of the leg lower, at {speed:.2} of {pace:.2} m/s");
+        assert!(lower > 0.1 && speed > 0.8 * pace, "{index}: {lower:.2} lower at {speed:.2} of {pace:.2} m/s");
+    }
+}

@@ -90,13 +90,49 @@ fn a_pull_moves_the_foothold_as_far_as_its_bias_says() {
 }
 
 #[test]
-fn the_body_says_that_it_does_not_heed_a_trigger_and_auto_takes_the_stepper() {
-    let scenario = shoved("trigger = \"projected\"", 40.0, 0.0, 3.0);
+fn the_body_says_that_it_has_no_springs_and_auto_takes_the_stepper() {
+    let scenario = shoved("spring = 2.0", 40.0, 0.0, 3.0);
     let by = |drive: Drive| -> Result<Baked, BakeError> {
         bake(&builtin(), &scenario, &BakeOptions { drive, ..BakeOptions::default() })
     };
-    let refused = by(Drive::Ragdoll(Helped::Within(Assist::default()))).expect_err("it cannot yet").to_string();
-    assert!(refused.contains("[stepper]"), "{refused}");
+    let refused = by(Drive::Ragdoll(Helped::Within(Assist::default()))).expect_err("it cannot").to_string();
+    assert!(refused.contains("spring and damping of [stepper]"), "{refused}");
     let chosen = by(Drive::Auto(Helped::Auto)).expect("it bakes").choice.expect("a choice");
     assert!(chosen.why.contains("[stepper]"), "{}", chosen.why);
+}
+
+#[test]
+fn the_body_that_waits_for_the_bare_projection_steps_later() {
+    let first = |trigger: &str, toward: f64| {
+        let scenario = shoved(&format!("trigger = \"{trigger}\""), 55.0, toward, 3.0);
+        let drive = Drive::Ragdoll(Helped::Within(Assist::default()));
+        let trace = perform_by(&builtin().body, &scenario, 0, drive).expect("it runs").trace;
+        trace.steps.first().map_or(f64::INFINITY, |step| step.lift)
+    };
+    let mut draw = Seed::new(23);
+    for toward in (0..8).map(|_| draw.between(0.0, 360.0)) {
+        let [usual, late] = ["extrapolated", "projected"].map(|trigger| first(trigger, toward));
+        assert!(usual + 0.04 < late, "toward {toward:.0}: at {usual:.2} s, and by the projection at {late:.2} s");
+    }
+}
+
+#[test]
+fn the_body_that_is_dragged_lands_elsewhere_by_its_bias() {
+    let way = |bias: f64| {
+        let text = format!(
+            "duration = 6\n[stepper]\npull_bias = {bias}\n[[walk]]\nstart = 0.2\nspeed = 0.8\n[[pull]]\nstart = 2.0\n\
+             duration = 4.0\nforce = 60.0\ntoward = \"back\"\n"
+        );
+        let scenario = parse("dragged", &text).unwrap_or_else(|errors| panic!("{errors}"));
+        let drive = Drive::Ragdoll(Helped::Within(Assist::default()));
+        let trace = perform_by(&builtin().body, &scenario, 0, drive).expect("it runs").trace;
+        assert!(trace.lost.is_none(), "pull_bias {bias}");
+        let leads = |tick: &surefoot::sim::TickState| {
+            let foremost = tick.feet.iter().map(|foot| foot.ankle.z).fold(f64::NEG_INFINITY, f64::max);
+            foremost - tick.com.z
+        };
+        trace.ticks[400..].iter().map(leads).sum::<f64>() / trace.ticks[400..].len() as f64
+    };
+    let [none, twice] = [0.0, 0.8].map(way);
+    assert!(twice + 0.01 < none, "the foremost foot is {none:.3} m ahead without, {twice:.3} m with twice the bias");
 }

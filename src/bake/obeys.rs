@@ -95,7 +95,7 @@ pub(super) fn strayed(scenario: &Scenario, performance: &Performance) -> Option<
 fn too_high(scenario: &Scenario, performance: &Performance) -> Option<String> {
     let [lowest, asked] = crouched(scenario, performance);
     (lowest < asked - CROUCHES)
-        .then(|| format!("the ankles of the ragdoll let it walk crouched by {lowest:.2} at most, not {asked:.2}"))
+        .then(|| format!("the legs of the ragdoll let it walk crouched by {lowest:.2} at most, not {asked:.2}"))
 }
 
 /// Shares of the leg by which who walks some time is lower than in the stand, at the most, and by which he was to be.

@@ -11,11 +11,12 @@ pub(super) fn unplayed(scenario: &Scenario, base: Option<&Base>) -> Vec<&'static
     let [walks, turns, stands] = [!scenario.walk.is_empty(), !scenario.turn.is_empty(), !scenario.stand.is_empty()];
     let crouches = scenario.character.crouch > 0.0 || scenario.crouch.iter().any(|crouch| crouch.amount > 0.0);
     let lanes = walks || turns || stands || crouches || !scenario.carry.is_empty();
-    let heeded = Stepper { ankle_feedback: true, leg_change: true, ..scenario.stepper };
+    let Stepper { spring, damping, .. } = scenario.stepper;
     [
         (over && lanes, "[base] beside [[walk]], [[turn]], [[crouch]], [[stand]] or [[carry]]"),
         (over && scenario.ground.kind != GroundKind::Flat, "[base] on ground that is not flat"),
-        (heeded != Stepper::default(), "[stepper] but for ankle_feedback and leg_change"),
+        // Its legs hold it by torques, whatever a spring would.
+        (spring != 1.0 || damping != 1.0, "spring and damping of [stepper]"),
     ]
     .into_iter()
     .filter_map(|(is, name)| is.then_some(name))

@@ -81,7 +81,8 @@ pub struct Style {
     pub arms: f64,
 }
 
-/// The stepper as the paper varies it; as it comes, the best that is known. The articulated body heeds the first two.
+/// The stepper as the paper varies it; as it comes, the best that is known. The articulated body follows
+/// all of them but spring and damping: its legs hold it by torques.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stepper {
     /// In a walk pressure moves under a foot. Without: the paper's bare pendulum, which touches the ground in points. A stand keeps it.

@@ -141,6 +141,8 @@ pub struct Controller {
     pub went: f64,
     /// Whether it takes steps some time by what is meant: in a crouch its trunk leans for that.
     pub goes: bool,
+    /// It steps when its projected centre of mass leaves its soles, not ξ: the paper's wording.
+    pub projected: bool,
     /// How it stands when it is at ease, where that is not side by side.
     pub stance: Option<Stance>,
     pub(super) guided: bool, // the swing under way is the guide's
@@ -199,6 +201,7 @@ impl Controller {
             stairs: false,
             leans: 0.0,
             goes: false,
+            projected: false,
             aimed: states[0].origin.y,
             heading: yaw_of(states[0].turn),
             facing: yaw_of(states[0].turn),

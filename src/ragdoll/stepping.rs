@@ -128,7 +128,8 @@ impl Controller {
         }
         if self.swing.is_none() {
             let hull = self.hull(figure);
-            let out = signed_distance(&shrink(&hull, self.tuning.shrunk * self.size), xi);
+            let falls = if self.projected { flat(self.motion.com) } else { xi };
+            let out = signed_distance(&shrink(&hull, self.tuning.shrunk * self.size), falls);
             // Who has just set a foot beside the other has balance over that other foot, near its edge as in the swing.
             let eased = self.time - self.eased < EASED * self.tempo() || self.sways(figure);
             let trigger = if eased { self.tuning.shrunk } else { self.tuning.trigger };

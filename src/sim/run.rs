@@ -9,7 +9,7 @@ use super::{ArticulatedOptions, SessionPush, TickState};
 use crate::maths::curve::smooth3;
 use crate::maths::quat::yaw_of;
 use crate::measure::{KnownPush, PushPoint};
-use crate::model::scenario::Feet;
+use crate::model::scenario::{Feet, Trigger};
 use crate::model::{Body, BodyPose, Load, Physique, Plant, Side, Terrain};
 use crate::ragdoll::control::Report;
 use crate::ragdoll::figure::Part;
@@ -154,6 +154,7 @@ impl Run {
         let mut control = Controller::new(figure, &world, tuning_of(&options.personality));
         control.stands_on(figure, course.terrain);
         control.goes = course.goes;
+        control.projected = options.style.variant.trigger == Trigger::Projected;
         control.stands_low(figure, course.terrain, course.crouched() * course.physique.leg_length);
         if course.things.ease.is_some() {
             let splay = course.start.map(|plant| plant.yaw);
