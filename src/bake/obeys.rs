@@ -4,7 +4,7 @@ use super::Performance;
 use super::ragdoll::{Stroll, stroll};
 use crate::maths::quat::wrap_angle;
 use crate::model::Side;
-use crate::model::scenario::{Feet, Scenario};
+use crate::model::scenario::{Crouch, Feet, GroundKind, Scenario};
 use crate::sim::{FASTEST, Script};
 
 /// s at legs of 0.83 m, by when a foot must be up that is not to be stood on: the weight goes over the other one in about one.
@@ -91,20 +91,29 @@ pub(super) fn strayed(scenario: &Scenario, performance: &Performance) -> Option<
     }
 }
 
-/// Who walks goes no lower than his ankles allow.
+/// Who walks goes no lower than his ankles allow, and nobody as low as he is told off level ground.
 fn too_high(scenario: &Scenario, performance: &Performance) -> Option<String> {
     let [lowest, asked] = crouched(scenario, performance);
     (lowest < asked - CROUCHES)
-        .then(|| format!("the legs of the ragdoll let it walk crouched by {lowest:.2} at most, not {asked:.2}"))
+        .then(|| format!("the legs of the ragdoll let it crouch by {lowest:.2} at most here, not {asked:.2}"))
 }
 
-/// Shares of the leg by which who walks some time is lower than in the stand, at the most, and by which he was to be.
+/// s, a crouch that is shorter, or begins so soon before the clip's end, may end before it is as low as it is to be.
+const GOES_DOWN: f64 = 2.0;
+
+/// Shares of the leg by which it is lower than in the stand, at the most, and by which it was to be where it had time for it. None where it
+/// stands on level ground.
 fn crouched(scenario: &Scenario, performance: &Performance) -> [f64; 2] {
-    if scenario.walk.iter().all(|walk| walk.speed <= 0.0) {
+    if scenario.ground.kind == GroundKind::Flat && scenario.walk.iter().all(|walk| walk.speed <= 0.0) {
         return [0.0; 2];
     }
     let lowest = performance.trace.ticks.iter().map(|tick| tick.crouched).fold(0.0, f64::max);
-    let asked = scenario.crouch.iter().map(|crouch| crouch.amount).fold(scenario.character.crouch, f64::max);
+    let lasts = |crouch: &&Crouch| {
+        let until = crouch.duration.map_or(f64::INFINITY, |duration| crouch.start + duration);
+        until.min(scenario.duration) - crouch.start >= GOES_DOWN
+    };
+    let asked = scenario.crouch.iter().filter(lasts).map(|crouch| crouch.amount);
+    let asked = asked.fold(scenario.character.crouch, f64::max);
     [lowest / performance.timeline.body.leg_length, asked]
 }
 

@@ -24,8 +24,9 @@ use crate::whole_body::solve::{Hold, PoseTarget};
 use crate::whole_body::{Anatomy, ArmAngles, Solver, stand};
 use glam::{DQuat, DVec2, DVec3};
 
-/// Share of the leg by which who walks some time crouches at the most, whatever his ankles: with half of it short legs go backwards.
-const WALKS_LOW: f64 = 0.3;
+/// Share of the leg by which who walks some time, or stands off level ground, crouches at the most: with half of the leg short ones go backwards,
+/// or fall.
+const LOW: f64 = 0.3;
 /// Share of the standing height under which the centre of mass has fallen (DESIGN, "fallen").
 const FALLEN: f64 = 0.57;
 /// And the share from which on who is falling lets himself fall.
@@ -199,7 +200,11 @@ pub fn simulate_with(
     let goes = run::goes(things, options.duration);
     let leg = physique.leg_length;
     let walks = run::walks(things, options.duration);
-    let deepest = if walks { crouch::deepest(&figure, WALKS_LOW * leg) / leg } else { DEEPEST };
+    let deepest = match (walks, terrain.is_flat()) {
+        (true, _) => crouch::deepest(&figure, LOW * leg) / leg,
+        (false, true) => DEEPEST,
+        (false, false) => LOW,
+    };
     let course = Course {
         figure: &figure,
         body,
