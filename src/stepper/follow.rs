@@ -87,7 +87,7 @@ pub fn follow(
         if landed.is_some() {
             climb::landed(state);
         }
-        climb::tick(params, physique, terrain, state, dt);
+        climb::tick(params, physique, terrain, state, inputs, dt);
         climb::give_up(params, state);
         state.tick += 1;
         state.time = state.tick as f64 * dt;

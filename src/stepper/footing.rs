@@ -98,6 +98,7 @@ pub fn beneath(terrain: &Terrain, physique: &Physique, ankle: DVec3, (yaw, time)
     let place = DVec2::new(ankle.x, ankle.z);
     match terrain.kind {
         GroundKind::Flat | GroundKind::Platform { .. } => set_down(terrain, physique, place, yaw, time),
+        GroundKind::Stairs { .. } => kerb::stood(terrain, physique, place, yaw),
         _ => {
             let normal = terrain.spot_under(ankle, 0.0).normal;
             let point = ankle - normal * physique.ankle_height;

@@ -7,6 +7,7 @@
 //! Pure functions and plain state; no I/O, no allocation in a tick. Scenario space, SI units. Sources: Kenwright, "Watch
 //! Your Step" (2013); the capture point of Koolen (2012) and the extrapolated centre of mass of Hof (2005).
 
+mod ascend;
 mod balance;
 mod climb;
 mod control;
