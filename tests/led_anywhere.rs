@@ -100,7 +100,7 @@ fn any_lane_on_any_ground_is_played_and_whose_drive_is_chosen_stands() {
         score(&chosen)
     );
     // goal: none; 2 % with the third-party rigs, 6 % of the built-in one alone: legs of 0.58 m on stairs
-    assert!(falls.len() as u64 * 10 <= DRAWN, "{falls:#?}");
+    assert!(falls.len() as u64 * 20 <= DRAWN, "{falls:#?}");
     assert!(fall.is_empty(), "{fall:#?}");
     assert!(score(&chosen) >= score(&alone), "the better one is chosen");
 }

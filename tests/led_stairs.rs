@@ -104,14 +104,49 @@ fn climbers() -> Vec<(Rig, f64, f64)> {
 }
 
 #[test]
-fn flights_are_climbed_one_tread_at_a_time() {
+fn flights_are_climbed_step_over_step() {
     let mut people = climbers();
+    people.extend([0.7, 1.3].map(|legs| (builtin(), legs, 0.17)));
     if let Some(folder) = data::more() {
         let unbent = folder.join("rigs").join("gdquest_mannequiny.glb");
         people.insert(2, (surefoot::rig::load(&unbent).expect("the rig loads"), 1.0, 0.1));
     }
     let failed = flights(&people, 0xF119, false, (5, 0.03));
     assert!(failed.is_empty(), "{failed:#?}");
+}
+
+#[test]
+fn who_is_shoved_on_his_way_up_goes_on() {
+    let people = people(&[0.7, 1.0, 1.15, 1.3], &["m2m_rig_human.glb", "m2m_ue_names_no_animation.glb"]);
+    let clips: Vec<(String, f64, Baked)> = (0..24u64)
+        .into_par_iter()
+        .map(|seed| {
+            let mut draw = Seed::new(seed ^ 0x5F0E);
+            let (rig, legs) = &people[seed as usize % people.len()];
+            let (rise, tread) = (draw.between(0.08, 0.17), draw.between(0.27, 0.35));
+            let pace = draw.between(0.25, 0.4) * f64::sqrt(*legs);
+            let ground = format!("[ground]\nkind = \"stairs\"\nrise = {rise:.3}\ntread = {tread:.3}\ncount = 16");
+            let character = format!("[character]\nleg_scale = {legs}");
+            let (start, toward) = (draw.between(5.0, 12.0), draw.between(0.0, 360.0));
+            let push = format!("[[push]]\nstart = {start:.2}\nduration = 0.2\nforce = 100.0\ntoward = {toward:.0}");
+            let text = format!("title = \"shoved\"\nduration = 20.0\n{ground}\n{character}\n{}{push}\n", walk(pace));
+            let name =
+                format!("{seed}: {rise:.3} m at {pace:.2} m/s, legs {legs}, towards {toward:.0} at {start:.1} s");
+            (name, pace, baked(rig, &text, seed))
+        })
+        .collect();
+    let (mut fallen, mut scores, mut slow) = (0, 0.0, 0);
+    for (name, pace, clip) in &clips {
+        let (report, ticks) = (&clip.report, &clip.performance.trace.ticks);
+        let came = ticks[ticks.len() - 1].com.z;
+        println!("{name}: {:?}, {came:.1} m, score {:.2}", report.outcome, report.plausibility.score);
+        let falls = report.outcome == Outcome::Fall;
+        (fallen, scores) = (fallen + u32::from(falls), scores + report.plausibility.score);
+        slow += u32::from(!falls && came < 0.5 * pace * 20.0);
+    }
+    let mean = scores / clips.len() as f64;
+    // goal: one of sixteen; of these three fall, of 80 drawn otherwise three
+    assert!(fallen <= 3 && mean > 0.75 && slow <= 4, "{fallen} fall, {slow} are slow, a mean score of {mean:.2}");
 }
 
 #[test]

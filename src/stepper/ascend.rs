@@ -11,8 +11,11 @@ use crate::maths::real;
 use crate::model::{Side, Terrain};
 use glam::DVec2;
 
-/// m of the reference body and for shorter legs: a foot goes up to a tread that is no farther ahead.
+/// m of the reference body: a foot goes up to a tread that is no farther ahead; and the size, as a share of it, below which legs of the same
+/// steps go as far. Of 40 drawn flights on legs of 0.58 to 0.71 m four fall with 1, one with 0.85.
 const LONGEST: f64 = 0.37;
+/// As [`LONGEST`] says.
+const SHORT: f64 = 0.85;
 /// m of the reference body, that toes keep from a riser, beyond [`EDGE`].
 const TOES: f64 = 0.03;
 /// Share of a sole that may be over the edge behind it where the tread is hard to reach: as much as on treads that are shorter than it.
@@ -58,7 +61,7 @@ pub(super) fn place(params: &Params, physique: &Physique, terrain: &Terrain, sta
     }
     let [next, end] = terrain.floor(edge + EDGE).unwrap_or([edge, f64::INFINITY]);
     let (low, high) = (next - rear, end - front);
-    let far = stance.ankle.z + LONGEST * params.size.max(1.0);
+    let far = stance.ankle.z + LONGEST * params.size.max(SHORT);
     let least = low - OVERHANGS * (physique.tip - physique.heel);
     let on = if high < low { high } else { (low + (0.5 * (high - low)).min(ROOM * params.size)).min(far.max(least)) };
     if on <= far { on } else { (edge - front).min(stance.ankle.z + STRIDE * params.size) }

@@ -15,8 +15,8 @@ use glam::DVec2;
 
 /// m: a single step up to here is for the gait ([`kerb`]).
 const KERB: f64 = 0.1;
-/// m of the reference body: so near to the first edge a walk ends.
-const NEAR: f64 = 1.0;
+/// m of the reference body: so near to the first edge a walk ends, that goes up and down.
+const NEAR: [f64; 2] = [1.0, 0.5];
 /// m of the reference body, a step towards a tread that is out of reach.
 pub(super) const STRIDE: f64 = 0.3;
 /// m, that soles keep from edges; and behind an edge where there is room.
@@ -140,7 +140,7 @@ fn near(params: &Params, physique: &Physique, terrain: &Terrain, state: &State, 
     let foot = if left.ankle.z > right.ankle.z { left } else { right };
     climbed(params, terrain)
         && straight(state, inputs)
-        && tread(terrain, physique, foot)[1] - foot.ankle.z < NEAR * params.size
+        && tread(terrain, physique, foot)[1] - foot.ankle.z < NEAR[usize::from(descend::falls(terrain))] * params.size
 }
 
 /// What the gait is told: to end before a flight.
@@ -166,7 +166,7 @@ pub fn goes(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut
         return state.climb.on;
     }
     let level = (state.feet[0].ankle.z - state.feet[1].ankle.z).abs() < BESIDE * params.size;
-    let stood = level || state.calm > STOOD * params.tempo;
+    let stood = level || descend::falls(terrain) || state.calm > STOOD * params.tempo;
     let stands = state.swing.is_none() && state.gait.phase == Phase::Rest && slow && stood;
     if stands && state.outline.outside(state.xi()) < -params.margin && near(params, physique, terrain, state, inputs) {
         let down = descend::falls(terrain);

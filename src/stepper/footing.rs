@@ -98,7 +98,12 @@ pub fn beneath(terrain: &Terrain, physique: &Physique, ankle: DVec3, (yaw, time)
     let place = DVec2::new(ankle.x, ankle.z);
     match terrain.kind {
         GroundKind::Flat | GroundKind::Platform { .. } => set_down(terrain, physique, place, yaw, time),
-        GroundKind::Stairs { .. } => kerb::stood(terrain, physique, place, yaw),
+        // a sole may hang over an edge before it or behind it
+        GroundKind::Stairs { .. } => {
+            let mut plant = kerb::stood(terrain, physique, place, yaw);
+            plant.ankle.y = plant.ankle.y.max(terrain.spot(place).height);
+            plant
+        }
         _ => {
             let normal = terrain.spot_under(ankle, 0.0).normal;
             let point = ankle - normal * physique.ankle_height;
