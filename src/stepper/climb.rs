@@ -15,7 +15,7 @@ use glam::DVec2;
 
 /// m: a single step up to here is for the gait ([`kerb`]).
 const KERB: f64 = 0.1;
-/// m of the reference body: so near to the first edge a walk ends, that goes up and down.
+/// m of the reference body: a walk ends so near to the first edge, of a flight up and of one down.
 const NEAR: [f64; 2] = [1.0, 0.5];
 /// m of the reference body, a step towards a tread that is out of reach.
 pub(super) const STRIDE: f64 = 0.3;
@@ -31,12 +31,12 @@ const WIDER: f64 = 1.15;
 const OVER: f64 = 1.0;
 /// m of the reference body, nearer to the other foot.
 const INWARD: f64 = 0.02;
-/// m of the reference body: so far in front of an edge ξ is held at least over a sole that hangs over it.
+/// m of the reference body: over a sole whose heel hangs over an edge, ξ is held at least so far ahead of that edge.
 const INSIDE: f64 = 0.06;
 /// s, a swing.
 const SWING: f64 = 0.7;
-/// m/s, s of the reference body: who is asked to climb as slowly as that or more slowly waits for so long at most over the foot ahead. With
-/// 1 s short legs fall.
+/// m/s, that a command counts as at least; s of the reference body, how long who is asked to climb slowly waits over the foot ahead at most:
+/// longer, and legs of 0.58 m fall.
 const SLOWEST: f64 = 0.05;
 /// As [`SLOWEST`] says.
 const WAITS: f64 = 0.5;
@@ -59,7 +59,7 @@ const PITCHES: f64 = 2.0;
 const PACE: f64 = 0.12;
 /// As [`PACE`] says.
 const STOPPED: f64 = 0.25;
-/// s of the reference body: a flight is begun with feet beside each other, or by who has stood still for so long.
+/// s of the reference body: a flight up is begun from feet beside each other, or by who has stood still for so long.
 const STOOD: f64 = 1.0;
 
 /// m of the reference body: so far off its way ξ is past what the pressure under the feet brings back; and the share of a swing after which
@@ -81,7 +81,7 @@ struct Manner {
     gain: f64,
 }
 
-/// Up it has gone most of its way when a foot lands: with half of that ankles come to the end of their range, and it falls back.
+/// Up it has gone two thirds of its way when a foot lands: with a third, ankles come to the end of their range and the body falls back.
 const UP: Manner = Manner { over: 0.5, shifts: [2.16, 0.2], runs: [0.3, 0.66], gain: 1.5 };
 /// Down it runs ahead of the ball that it leaves. These, and the constants of [`descend`], are of a random search on four drawn flights without
 /// looking ahead; 20 others of 3 to 17 cm, drawn on four bodies, are then descended without a fall.
