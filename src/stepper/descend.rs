@@ -6,7 +6,7 @@
 
 use super::climb::{EDGE, ROOM, STRIDE, tread};
 use super::support::Tread;
-use super::{Params, Physique, Plant, State, Support, Swing, ground, support};
+use super::{Params, Physique, Plant, State, Support, Swing, ascend, ground, support};
 use crate::maths::curve::smooth3;
 use crate::model::scenario::GroundKind;
 use crate::model::{Side, Terrain};
@@ -141,9 +141,7 @@ pub fn taken(params: &Params, physique: &Physique, state: &State, side: Side) ->
 
 /// m, the height to which a swing down lets the body sink now: in the end where the leg that lands reaches its tread. `hip`: m, along the way.
 pub fn height(physique: &Physique, state: &State, swing: &Swing, hip: f64) -> f64 {
-    let stands = physique.hip_height - physique.ankle_height;
-    let (leg, away) = (LEG * physique.leg_length, swing.to.ankle.z - hip);
-    let goal = swing.to.ankle.y + (leg * leg - away * away).max(0.3 * stands * stands).sqrt() - stands;
+    let goal = ascend::reaches(physique, &swing.to, LEG, hip);
     let share = (state.time - swing.lift) / (swing.land - swing.lift);
     let stance = state.feet[swing.side.other() as usize].ankle.y;
     stance + (goal.min(stance) - stance) * smooth3((share - SINKS[0]) / SINKS[1])
