@@ -118,7 +118,7 @@ fn flights_are_climbed_step_over_step() {
 #[test]
 fn who_is_shoved_on_his_way_up_goes_on() {
     let people = people(&[0.7, 1.0, 1.15, 1.3], &["m2m_rig_human.glb", "m2m_ue_names_no_animation.glb"]);
-    let clips: Vec<(String, f64, Baked)> = (0..24u64)
+    let clips: Vec<(String, f64, Baked)> = (0..32u64)
         .into_par_iter()
         .map(|seed| {
             let mut draw = Seed::new(seed ^ 0x5F0E);
@@ -127,7 +127,7 @@ fn who_is_shoved_on_his_way_up_goes_on() {
             let pace = draw.between(0.25, 0.4) * f64::sqrt(*legs);
             let ground = format!("[ground]\nkind = \"stairs\"\nrise = {rise:.3}\ntread = {tread:.3}\ncount = 16");
             let character = format!("[character]\nleg_scale = {legs}");
-            let (start, toward) = (draw.between(5.0, 12.0), draw.between(0.0, 360.0));
+            let (start, toward) = (draw.between(7.0, 13.0), draw.between(0.0, 360.0));
             let push = format!("[[push]]\nstart = {start:.2}\nduration = 0.2\nforce = 100.0\ntoward = {toward:.0}");
             let text = format!("title = \"shoved\"\nduration = 20.0\n{ground}\n{character}\n{}{push}\n", walk(pace));
             let name =
@@ -145,8 +145,8 @@ fn who_is_shoved_on_his_way_up_goes_on() {
         slow += u32::from(!falls && came < 0.5 * pace * 20.0);
     }
     let mean = scores / clips.len() as f64;
-    // goal: one of sixteen; some are shoved before the first step; well up 17 cm 10 of 32 fall
-    assert!(fallen <= 3 && mean > 0.75 && slow <= 4, "{fallen} fall, {slow} are slow, a mean score of {mean:.2}");
+    // goal: one of sixteen
+    assert!(fallen <= 2 && mean > 0.8 && slow <= 2, "{fallen} fall, {slow} are slow, a mean score of {mean:.2}");
 }
 
 #[test]

@@ -100,7 +100,7 @@ impl Controller {
         far > 0.0 && terrain.edge(from, way, far).is_some()
     }
 
-    /// The way of a led foot that is to stand at another height (m) than it stood.
+    /// The way of a led foot that is to stand at another height (m) than it stood; of one against a fall, if it goes up a tread.
     pub(super) fn over_kerb(
         &self,
         figure: &Figure,
@@ -109,7 +109,9 @@ impl Controller {
         (stands, ground): (DVec2, f64),
     ) -> Option<Way> {
         let rises = ground - swing.from.y;
-        if !self.guided || rises.abs() < LEVEL * self.size || !self.steps_over(terrain, swing) {
+        let least = LEVEL * self.size;
+        let other = if self.guided { rises.abs() >= least } else { rises > least && terrain.has_treads() };
+        if !other || !self.steps_over(terrain, swing) {
             return None;
         }
         let over = highest(figure, terrain, swing, stands);

@@ -200,7 +200,7 @@ impl Controller {
         let ground = self.under_sole(figure, terrain, swing.side, stands, swing.yaw);
         let usual = if self.guided { self.travels() } else { [self.tuning.rise, ARRIVES] };
         let way = self.over_kerb(figure, terrain, &swing, (stands, ground));
-        let [rise, arrives] = way.map_or(usual, |way| way.travels);
+        let [rise, arrives] = way.filter(|_| self.guided).map_or(usual, |way| way.travels);
         if !down && !self.guided || passed > rise * swing.time {
             swing.free = true;
         }
@@ -212,7 +212,7 @@ impl Controller {
         let x = (passed + dt) / (swing::LANDS * swing.time);
         let base = swing.from.y + (ground - swing.from.y) * x.clamp(0.0, 1.0);
         let speed = 1.0 / (swing::LANDS * swing.time);
-        let [y, v, a] = if self.guided {
+        let [y, v, a] = if self.guided || way.is_some() {
             let (top, highest) =
                 way.map_or((base + swing.lift, swing::HIGHEST), |way| (base.max(way.over) + way.lift, way.highest));
             swing::over(&swing.reference, [top, ground], self.tempo(), (passed, swing.time, highest), dt)

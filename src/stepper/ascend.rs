@@ -5,7 +5,8 @@
 //! behind leaves. Scenario space, metres, radians.
 
 use super::climb::{BESIDE, EDGE, ROOM, STRIDE, tread};
-use super::{Params, Physique, Plant, State, ground};
+use super::gait::Rhythm;
+use super::{Params, Physique, Plant, State, climb, descend, ground, kerb, pace};
 use crate::maths::curve::smooth3;
 use crate::maths::real;
 use crate::model::{Side, Terrain};
@@ -53,18 +54,53 @@ pub(super) fn next(params: &Params, physique: &Physique, terrain: &Terrain, stat
 /// the same tread, and at the end, beside the other.
 pub(super) fn place(params: &Params, physique: &Physique, terrain: &Terrain, state: &State, side: Side) -> f64 {
     let (own, stance) = (&state.feet[side as usize], &state.feet[side.other() as usize]);
+    let Some([before, on, far]) = onto(params, physique, terrain, stance) else { return stance.ankle.z };
+    let passes = above(stance, own) || on <= far || (own.ankle.z - stance.ankle.z).abs() < BESIDE * params.size;
+    if !passes {
+        return stance.ankle.z;
+    }
+    if on <= far { on } else { before.min(stance.ankle.z + STRIDE * params.size) }
+}
+
+/// m, along the way, from where a foot stands: the last place before the next riser, the place on its tread, and how far a step goes. `None`
+/// where nothing is ahead.
+fn onto(params: &Params, physique: &Physique, terrain: &Terrain, stance: &Plant) -> Option<[f64; 3]> {
     let (rear, front) = (physique.heel - EDGE, physique.tip + EDGE + TOES * params.size);
     let edge = tread(terrain, physique, stance)[1];
-    let passes = above(stance, own) || (own.ankle.z - stance.ankle.z).abs() < BESIDE * params.size;
-    if !passes || edge.is_infinite() {
-        return stance.ankle.z;
+    if edge.is_infinite() {
+        return None;
     }
     let [next, end] = terrain.floor(edge + EDGE).unwrap_or([edge, f64::INFINITY]);
     let (low, high) = (next - rear, end - front);
     let far = stance.ankle.z + LONGEST * params.size.max(SHORT);
     let least = low - OVERHANGS * (physique.tip - physique.heel);
     let on = if high < low { high } else { (low + (0.5 * (high - low)).min(ROOM * params.size)).min(far.max(least)) };
-    if on <= far { on } else { (edge - front).min(stance.ankle.z + STRIDE * params.size) }
+    Some([edge - front, on, far])
+}
+
+/// m, along the way, where a walk's foot that would land at `natural` lands before a flight up: after steps of one length, where the next
+/// one reaches the first tread. `None` where there is no flight or nobody goes there.
+pub(super) fn approached(
+    params: &Params,
+    physique: &Physique,
+    terrain: &Terrain,
+    state: &State,
+    (rhythm, side): (&Rhythm, Side),
+    natural: f64,
+) -> Option<f64> {
+    let stance = &state.feet[side.other() as usize];
+    let usual = (pace::aimed(state) * rhythm.step).y;
+    if !climb::climbed(params, terrain) || descend::falls(terrain) || usual < kerb::SLOW * params.size {
+        return None;
+    }
+    let at = stance.ankle.z;
+    let [before, on, far] = onto(params, physique, terrain, stance)?;
+    let least = before.min(at + on - far);
+    if at >= least {
+        return Some(at.min(before));
+    }
+    let ahead = 0.5 * (least + before) - at;
+    Some(at + ahead / kerb::count(ahead, natural - at, usual))
 }
 
 /// Does that foot stand on a higher tread than the other?
@@ -113,4 +149,12 @@ pub(super) fn reaches(physique: &Physique, foot: &Plant, used: f64, hip: f64) ->
 pub(super) fn on_tread(terrain: &Terrain, physique: &Physique, foot: &Plant, pressure: DVec2) -> DVec2 {
     let from = tread(terrain, physique, foot)[0] + ROOM;
     DVec2::new(pressure.x, pressure.y.max(from.min(ground(foot.ankle).y + physique.tip)))
+}
+
+/// Can who walks go on up from here, at a landing? The foot ahead is as near to the edge as the next tread is in reach of the other one.
+pub(super) fn begins(params: &Params, physique: &Physique, terrain: &Terrain, state: &State) -> bool {
+    let side = if state.feet[0].ankle.z < state.feet[1].ankle.z { Side::Left } else { Side::Right };
+    let stance = &state.feet[side.other() as usize];
+    let edge = tread(terrain, physique, stance)[1];
+    edge.is_finite() && place(params, physique, terrain, state, side) + 0.5 * (physique.heel + physique.tip) > edge
 }

@@ -3,7 +3,9 @@
 
 use super::control::wrap;
 use super::gait::{self, Rhythm};
-use super::{Params, Physique, Plant, State, Swing, footing, ground, kerb, pace, rise, support, swing, turn, walk};
+use super::{
+    Params, Physique, Plant, State, Swing, ascend, footing, ground, kerb, pace, rise, support, swing, turn, walk,
+};
 use crate::maths::{pendulum, real};
 use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
@@ -103,7 +105,11 @@ fn fitted(
     let natural = ground(landing(params, physique, state, &rhythm, side, (wait, time)).plant.ankle).y;
     // the pendulum alone lands where a whole sole is held, wherever that is
     let kerb = params.fits && (terrain.has_treads() || kerb::near(params, terrain, state));
-    let edge = kerb.then(|| kerb::ahead(params, physique, terrain, state, (&rhythm, side), natural));
+    let edge = kerb.then(|| {
+        let by = (&rhythm, side);
+        let flight = ascend::approached(params, physique, terrain, state, by, natural);
+        flight.or_else(|| kerb::ahead(params, physique, terrain, state, by, natural))
+    });
     let chosen = edge.flatten();
     let [untimely, waits] = if chosen.is_some() { [PATIENT, 0.0] } else { [UNTIMELY, WAITS] };
     let mut floors: Vec<[f64; 2]> = Vec::new();

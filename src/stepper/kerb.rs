@@ -29,6 +29,8 @@ const STRAIGHT: f64 = 0.95;
 const BESIDE: f64 = 0.1;
 /// Share of the way over an edge that a step of the walk must have without being asked for, to go over from feet that are not.
 const GOES: f64 = 0.6;
+/// m of the reference body: whose usual step is shorter is not going there.
+pub(super) const SLOW: f64 = 0.05;
 /// Share of a usual step that steps up to an edge are at least taken to be, and what is added to their count before it is cut off.
 const LEAST: f64 = 0.5;
 const MORE: f64 = 0.85;
@@ -75,7 +77,7 @@ pub fn ahead(
     let line = |z: f64| DVec2::new(stance.ankle.x, z);
     let [from, edge] = terrain.floor_at(line(stance.ankle.z + 0.5 * (rear + front)))?;
     let usual = (pace::aimed(state) * rhythm.step).y;
-    if usual < 0.05 * params.size || !edge.is_finite() {
+    if usual < SLOW * params.size || !edge.is_finite() {
         return None;
     }
     let [next, end] = terrain.floor_at(line(edge + EDGE))?;
@@ -91,10 +93,14 @@ pub fn ahead(
         let goes = beside || natural - stance.ankle.z > GOES * far;
         return Some(if level && goes { over } else { stance.ankle.z.max(from - rear).min(before) });
     }
-    let step = (natural - stance.ankle.z).clamp(LEAST * usual, usual);
-    let count = (far / step + MORE).floor().max(1.0);
+    let count = count(far, natural - stance.ankle.z, usual);
     let lands = stance.ankle.z + far / count;
     Some(if count > 1.0 { lands.min(before) } else { lands })
+}
+
+/// How many steps of one length take it so far (m), the next of which would be `natural` and a usual one `usual` m.
+pub fn count(far: f64, natural: f64, usual: f64) -> f64 {
+    (far / natural.clamp(LEAST * usual, usual) + MORE).floor().max(1.0)
 }
 
 /// A foot at that place, on the tread that is under its middle.

@@ -19,6 +19,7 @@ mod foothold;
 pub mod footing;
 mod gait;
 mod grip;
+mod haste;
 mod kerb;
 mod legs;
 mod mesh;
