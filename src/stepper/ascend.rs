@@ -151,10 +151,8 @@ pub(super) fn on_tread(terrain: &Terrain, physique: &Physique, foot: &Plant, pre
     DVec2::new(pressure.x, pressure.y.max(from.min(ground(foot.ankle).y + physique.tip)))
 }
 
-/// Can who walks go on up from here, at a landing? The foot ahead is as near to the edge as the next tread is in reach of the other one.
+/// Can who walks go on up from here, at a landing: is the next tread in reach of the foot behind?
 pub(super) fn begins(params: &Params, physique: &Physique, terrain: &Terrain, state: &State) -> bool {
     let side = if state.feet[0].ankle.z < state.feet[1].ankle.z { Side::Left } else { Side::Right };
-    let stance = &state.feet[side.other() as usize];
-    let edge = tread(terrain, physique, stance)[1];
-    edge.is_finite() && place(params, physique, terrain, state, side) + 0.5 * (physique.heel + physique.tip) > edge
+    onto(params, physique, terrain, &state.feet[side.other() as usize]).is_some_and(|[_, on, far]| on <= far)
 }

@@ -2,7 +2,8 @@
 //! ([`super::descend`]), as toddlers and the old do it.
 //!
 //! Each step begins with ξ over the foot that stays. From foot to foot ξ follows a planned way: in the swing it runs ahead, and with both feet
-//! down it goes on along the line between them, by the pressure under both; who is ahead of it steps in haste ([`super::haste`]). Scenario space, metres, seconds, radians.
+//! down it goes on along the line between them, by the pressure under both; who is ahead of it steps in haste
+//! ([`super::haste`]). Scenario space, metres, seconds, radians.
 
 use super::support::{Support, Tread};
 use super::walk::Phase;
@@ -64,7 +65,7 @@ const STOOD: f64 = 1.0;
 
 /// m of the reference body: so far off its way ξ is past what the pressure under the feet brings back: after a shove on a flight up and on one
 /// down, and without a shove; and the share of a swing after which the foot in the air lands where it was sent all the same. Of 32 shoves of
-/// 20 N s amid flights up of 17 cm one is a fall with 0.05, five with 0.065; of 80 drawn walks down 17 fall with this, 30 who never give up
+/// 20 N s amid flights up of 17 cm one to three are falls with 0.05, five with 0.065; of 80 drawn walks down 17 fall with this, 30 who never give up
 /// unshoved.
 const LOST: [f64; 2] = [0.05, 0.08];
 /// As [`LOST`] says.
