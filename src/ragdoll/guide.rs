@@ -14,8 +14,11 @@ use crate::maths::real;
 use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
 
-/// Feet come down before their time by this much of it: what swings reaches the ground before its path ends there.
+/// Feet come down before their time by this much of what is left of it: what swings reaches the ground before its path ends there.
 const LATER: f64 = 1.08;
+/// Times its planned time, the swing of a walk ahead that is not brisk, for its foot to land when it is planned to. Without this it lands 0.03 s
+/// early, where ξ has not yet come, and the next step is wider for it: at 125 steps a minute half of the walks up 5 degrees are given up.
+const IN_TIME: f64 = 1.07;
 /// Share of the angular momentum in ξ where the pressure is held where it is planned.
 pub(super) const MOMENTUM: f64 = 1.1;
 /// What a radian per second squared of the pelvis counts under a guide, tilt and yaw.
@@ -121,6 +124,8 @@ pub struct Guide {
     pub leaves: Option<Side>,
     /// The foot that swings or is next, and where in its step that is, 0 to 1; its time, s. `None` where nothing alternates.
     pub stride: Option<(Side, f64, f64)>,
+    /// Its feet are to land when they are planned to (`IN_TIME`).
+    pub in_time: bool,
     /// How far feet stand on their balls, 0 to 1: where ankles have no range for ground that rises ahead.
     pub balls: f64,
 }
@@ -155,7 +160,7 @@ impl Controller {
         let passed = self.time - swing.start;
         swing.target = wish.ankle + self.ahead(wish.side, wish.yaw);
         if wish.left.is_finite() {
-            swing.time = passed + wish.left * LATER;
+            swing.time = (passed + wish.left * LATER) * self.in_time();
         }
         let (ankle, _) = self.foot(figure, swing.side);
         let near = flat(ankle).distance(wish.ankle) < NEAR * self.size;
@@ -226,7 +231,15 @@ impl Controller {
     /// As `TRAVELS` says.
     pub(super) fn travels(&self) -> [f64; 2] {
         let [rise, arrives] = TRAVELS;
-        [rise, arrives + (ARRIVES - arrives) * self.on_balls()]
+        [rise, (arrives + (ARRIVES - arrives) * self.on_balls()) / self.in_time()]
+    }
+
+    /// Times its planned time a swing is to last for its foot to land then.
+    fn in_time(&self) -> f64 {
+        let Some(guide) = self.guide.filter(|guide| guide.in_time) else { return 1.0 };
+        let ahead = DVec2::new(real::sin(self.heading), real::cos(self.heading));
+        let straight = guide.velocity.normalize_or_zero().dot(ahead).max(0.0).powi(2);
+        1.0 + (IN_TIME - 1.0) * straight * (1.0 - self.brisk())
     }
 
     /// How brisk the walk is that is led, 0 to 1; where the ground leans, none is.

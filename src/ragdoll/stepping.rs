@@ -24,8 +24,9 @@ const QUICK: f64 = 0.36;
 const SHIFTS: f64 = 0.5;
 /// m at legs of 0.83 m, that soles keep from edges in steps against a fall.
 const EDGE: f64 = 0.01;
-/// Ticks for which a foot waits for the other one to bear: who falls away from that one waits in vain.
-const WAITS: usize = 3;
+/// Ticks for which a foot waits for the other one to bear: who falls away from that one waits in vain. And on treads, where a foot that lands
+/// takes longer to bear: of 80 who are shoved amid flights up 5 fall with 3 and 4 with 12.
+const WAITS: [usize; 2] = [3, 12];
 /// Share of a step against a fall at which its foot is over its place.
 const ARRIVES: f64 = 0.95;
 
@@ -140,7 +141,8 @@ impl Controller {
                 // A foot leaves when the other bears.
                 let weight = self.motion.mass * GRAVITY * dt;
                 let waited = self.leaving.map_or(0, |(_, ticks)| ticks);
-                if loads[target.side.other() as usize] < self.tuning.borne * weight && waited < WAITS {
+                let most = WAITS[usize::from(self.treads)];
+                if loads[target.side.other() as usize] < self.tuning.borne * weight && waited < most {
                     self.leaving = Some((target.side, waited + 1));
                     return;
                 }
@@ -228,10 +230,10 @@ impl Controller {
         self.swing = Some(swing);
     }
 
-    /// m, (x, z): so far beside its goal a swinging foot is aimed for its leg to pass the one that stands; on level ground without treads,
-    /// for with it legs of 1.08 m walk up 19 degrees at two thirds of their speed.
+    /// m, (x, z): so far beside its goal a swinging foot is aimed for its leg to pass the one that stands; on ground without treads, and not of
+    /// feet that stand on their balls, for with it legs of 1.08 m walk up 19 degrees at two thirds of their speed.
     fn around(&self, figure: &Figure, swing: &Swing, goal: DVec2) -> DVec2 {
-        if !self.on_level() || self.treads {
+        if self.treads || self.on_balls() > 0.0 {
             return DVec2::ZERO;
         }
         let stance = swing.side.other();

@@ -3,9 +3,7 @@
 
 use super::control::wrap;
 use super::gait::{self, Rhythm};
-use super::{
-    Params, Physique, Plant, State, Swing, ascend, footing, ground, kerb, pace, rise, support, swing, turn, walk,
-};
+use super::{Params, Physique, Plant, State, Swing, ascend, footing, ground, kerb, pace, support, swing, turn, walk};
 use crate::maths::{pendulum, real};
 use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
@@ -372,7 +370,7 @@ pub(super) fn nearer(
 ) -> f64 {
     let gait = &state.gait;
     let slow = gait.velocity.length() < UNHURRIED * params.size / params.tempo;
-    if params.even >= 1.0 || !params.rolls || slow || !rise::on_level(state) {
+    if params.even >= 1.0 || !params.rolls || slow || gait.longest.is_finite() {
         return 0.0;
     }
     let beside = apart.dot(state.aside()) * side.sign();

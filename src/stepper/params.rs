@@ -126,12 +126,14 @@ pub struct Params {
     pub least_swing: f64,   // s, a hasty swing of the gait
     pub transfer: f64,      // share of the rear foot in the pivot of the step that stops
     pub walk_gain: f64,     // of ankle feedback on ξ at touchdown
-    pub cadence: [f64; 3], // 1/min, steps at least, of a slow walk that does not turn, of another (`gait::SLOW`) and of a fast one (`FAST`)
-    pub double: f64,       // times people's, the share of a step in which both feet carry
-    pub rolled: f64,       // times people's, how far the pressure rolls under a foot
-    pub roll_ahead: f64,   // m, by which the pressure rolls farther ahead under the feet
-    pub turn_rate: f64,    // rad/s, the fastest turn
-    pub leg_change: bool,  // legs give and stretch
+    /// 1/min, steps at least: of a slow walk that does not turn, of another (`gait::SLOW`), of a fast one (`gait::FAST`) on feet that do not
+    /// bend and on such that do.
+    pub cadence: [f64; 4],
+    pub double: f64,      // times people's, the share of a step in which both feet carry
+    pub rolled: f64,      // times people's, how far the pressure rolls under a foot
+    pub roll_ahead: f64,  // m, by which the pressure rolls farther ahead under the feet
+    pub turn_rate: f64,   // rad/s, the fastest turn
+    pub leg_change: bool, // legs give and stretch
     // Comfort.
     pub stagger: f64, // m
     pub widen: f64,   // share of the width
@@ -240,7 +242,7 @@ impl Params {
             brief: 0.45 * tempo,
             transfer: 0.14,
             walk_gain: 0.7,
-            cadence: [66.0; 3],
+            cadence: [66.0; 4],
             double: 1.0,
             rolled: 1.0,
             roll_ahead: 0.0,

@@ -78,6 +78,8 @@ pub struct Gait {
     pub barred: bool,
     /// Is a mesh's ground by the next foothold such that a sole does not lie on it everywhere?
     pub broken: bool,
+    /// Has the ground edges, off which steps are timed to land: gaps, treads?
+    pub timed: bool,
     /// m, where the foot that leaves next is to land, (x, z), and s, how long it then swings; where steps are timed to land off edges.
     pub next: Option<(DVec2, f64)>,
     /// The speed that is held.
@@ -111,6 +113,7 @@ impl Gait {
             nearer: 0.0,
             barred: false,
             broken: false,
+            timed: false,
             next: None,
             pace: Pace::default(),
         }
@@ -128,6 +131,7 @@ pub fn steer(params: &Params, physique: &Physique, terrain: &Terrain, state: &mu
         return;
     }
     gait.tick = dt;
+    gait.timed = terrain.has_gaps() || terrain.has_treads();
     gait.longest = footing::longest(terrain, params, ground(state.com), wanted.normalize_or(state.ahead));
     let mut slowest = footing::STAIR_STEP;
     if params.fits && terrain.is_mesh() {
@@ -331,7 +335,7 @@ pub fn rhythm_now(params: &Params, physique: &Physique, state: &State) -> Rhythm
     let kerb = (params.fits && gait.longest.is_finite()).then_some(kerb::MEAN * kerb::STRIDE);
     let bounds = (gait.turn, gait.longest.min(gait.grip), kerb);
     let hurried = if gait.spot { 1.0 } else { gait.grade.abs() / GENTLE };
-    let rhythm = gait::rhythm(params, physique, state.ahead, gait.velocity, bounds, hurried);
+    let rhythm = gait::rhythm(params, physique, state.ahead, gait.velocity, bounds, (hurried, gait.timed));
     let quicker = if gait.spot { (SPOT * params.tempo / rhythm.step).min(1.0) } else { 1.0 };
     let rhythm = Rhythm { step: rhythm.step * quicker, double: rhythm.double * quicker, ..rhythm };
     let slower = rise::share_of_step(physique, state, rhythm.step) * steep::slower(params, state);
