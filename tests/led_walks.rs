@@ -74,6 +74,48 @@ fn nobody_drags_a_foot_who_walks_straight_ahead() {
     }
 }
 
+/// 1/min on legs of 0.83 m, at most so many steps; people take 55 to 80 of them.
+const STEPS: f64 = 136.0;
+
+#[test]
+fn slow_walks_do_not_patter() {
+    let people = people(&[1.0, 0.7, 1.3], &["gdquest_mannequiny.glb", "m2m_human_male.glb", "m2m_rig_human.glb"]);
+    let walked: Vec<_> = (0..24_u64)
+        .into_par_iter()
+        .map(|seed| {
+            let (rig, legs) = &people[seed as usize % people.len()];
+            let mut draw = Seed::new(seed ^ 0x9A77E5);
+            let tempo = (legs * rig.body.leg_length / 0.83).sqrt();
+            let (speed, degrees) = (draw.between(0.4, 0.6) * tempo, draw.between(-10.0, 6.0));
+            let ground = if seed % 2 == 0 {
+                String::new()
+            } else {
+                format!("[ground]\nkind = \"slope\"\nangle = {degrees:.1}\n")
+            };
+            let walk = format!("[character]\nleg_scale = {legs}\n[[walk]]\nstart = 0.5\nspeed = {speed:.2}");
+            let clip = baked(rig, &format!("title = \"walk\"\nduration = 14.0\n{ground}{walk}\n"), seed);
+            let steps = clip.performance.trace.steps.iter().filter(|step| step.land > 4.0);
+            let lands: Vec<f64> = steps.map(|step| step.land).collect();
+            let rate = 60.0 * (lands.len() - 1) as f64 / (lands[lands.len() - 1] - lands[0]) * tempo;
+            let longest = lands.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max) / tempo;
+            (format!("{seed}: {speed:.2} m/s, legs {legs}"), rate, longest, clip)
+        })
+        .collect();
+    for (name, rate, longest, clip) in &walked {
+        let report = &clip.report;
+        println!(
+            "{name}: {rate:.0} steps a minute, {longest:.2} s the longest, score {:.2}",
+            report.plausibility.score
+        );
+    }
+    for (name, rate, longest, clip) in &walked {
+        assert_ne!(clip.report.outcome, Outcome::Fall, "{name}");
+        assert!(*rate < STEPS, "{name}: {rate:.0} steps a minute");
+        assert!(*longest < 0.75, "{name}: it stops for {longest:.2} s");
+        assert!(clip.report.plausibility.score > 0.8, "{name}: {:?}", clip.report.plausibility.notes);
+    }
+}
+
 /// Of 1: the scores of each brisk walk, and of all; rad, how far a person's upper arms swing from hanging down at most.
 const LEAST: f64 = 0.8;
 const MEAN: f64 = 0.95;

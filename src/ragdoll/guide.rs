@@ -239,7 +239,7 @@ impl Controller {
         let Some(guide) = self.guide.filter(|guide| guide.in_time) else { return 1.0 };
         let ahead = DVec2::new(real::sin(self.heading), real::cos(self.heading));
         let straight = guide.velocity.normalize_or_zero().dot(ahead).max(0.0).powi(2);
-        1.0 + (IN_TIME - 1.0) * straight * (1.0 - self.brisk())
+        1.0 + (IN_TIME - 1.0) * straight * (1.0 - self.brisk()) * (1.0 - self.on_balls())
     }
 
     /// How brisk the walk is that is led, 0 to 1; where the ground leans, none is.

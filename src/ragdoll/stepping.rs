@@ -141,7 +141,7 @@ impl Controller {
                 // A foot leaves when the other bears.
                 let weight = self.motion.mass * GRAVITY * dt;
                 let waited = self.leaving.map_or(0, |(_, ticks)| ticks);
-                let most = WAITS[usize::from(self.treads)];
+                let most = WAITS[usize::from(self.stairs)];
                 if loads[target.side.other() as usize] < self.tuning.borne * weight && waited < most {
                     self.leaving = Some((target.side, waited + 1));
                     return;

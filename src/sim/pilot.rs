@@ -146,7 +146,7 @@ impl Pilot {
             swing,
             leaves: follow::leaves(state, SOON),
             stride,
-            in_time: steps && !state.climb.on && !gait.spot && !gait.timed,
+            in_time: steps && !state.climb.on && !gait.spot && !gait.timed && params.rolls,
             balls: if state.climb.down { 1.0 } else { steep::share(params, state) },
         }
     }

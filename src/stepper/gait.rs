@@ -30,7 +30,7 @@ const SLOW: [f64; 2] = [0.3, 0.7];
 
 /// m/s ahead of the reference body: a walk from the second on is fast, one up to the first is not.
 const FAST: [f64; 2] = [0.7, 1.45];
-/// Times as many steps as ahead, of a body that goes sideways or backwards or whose steps are timed to land off edges.
+/// Times as many steps as of a body that goes ahead where nothing is in its way, of another (`timed` of [`rhythm`]).
 const ELSEWHERE: f64 = 1.2;
 
 /// m/s of the reference body: a walk from the second on is brisk, one up to the first is not.
@@ -42,15 +42,15 @@ const RATIOS: [f64; 2] = [0.0065, 0.0061];
 const FARTHEST: f64 = 0.812;
 
 /// The rhythm in which people walk at that velocity, m/s (x, z), and turn at that rate, rad/s, where no step is longer
-/// than `longest` m, or all are `even` m long; a slow walk takes its time the less the more it is `hurried`, 0 to 1. `timed`: steps are timed to
-/// land off edges.
+/// than `longest` m, or all are `even` m long; a slow walk takes its time the less the more it is `hurried`, 0 to 1. `timed`, 0 to 1: a
+/// body takes more steps, as one that goes sideways or backwards does, for they are timed to land off edges, or ankles do little for it.
 pub fn rhythm(
     params: &Params,
     physique: &Physique,
     ahead: DVec2,
     velocity: DVec2,
     (turn, longest, even): (f64, f64, Option<f64>),
-    (hurried, timed): (f64, bool),
+    (hurried, timed): (f64, f64),
 ) -> Rhythm {
     let pace = velocity * (params.tempo / params.size); // of the reference body
     let speed = pace.length();
@@ -67,7 +67,7 @@ pub fn rhythm(
     // who cannot push off with his toes takes fewer steps
     let fastest = if params.balls.is_some() { fastest } else { flat };
     let least = slowest + (usual - slowest) * quick + (fastest - usual) * fast;
-    let elsewhere = if timed { 1.0 } else { 1.0 - along.max(0.0).powi(2) };
+    let elsewhere = timed.max(1.0 - along.max(0.0).powi(2));
     let more = (ELSEWHERE * least.min(usual) - least).max(0.0);
     let least = if params.fits { least + more * elsewhere } else { least };
     let cadence = (60.0 * speed / ratio.max(1e-4)).sqrt().max(least.max(66.0 + 36.0 * spin));

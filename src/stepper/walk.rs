@@ -335,7 +335,8 @@ pub fn rhythm_now(params: &Params, physique: &Physique, state: &State) -> Rhythm
     let kerb = (params.fits && gait.longest.is_finite()).then_some(kerb::MEAN * kerb::STRIDE);
     let bounds = (gait.turn, gait.longest.min(gait.grip), kerb);
     let hurried = if gait.spot { 1.0 } else { gait.grade.abs() / GENTLE };
-    let rhythm = gait::rhythm(params, physique, state.ahead, gait.velocity, bounds, (hurried, gait.timed));
+    let timed = if gait.timed || !params.rolls { 1.0 } else { steep::share(params, state) };
+    let rhythm = gait::rhythm(params, physique, state.ahead, gait.velocity, bounds, (hurried, timed));
     let quicker = if gait.spot { (SPOT * params.tempo / rhythm.step).min(1.0) } else { 1.0 };
     let rhythm = Rhythm { step: rhythm.step * quicker, double: rhythm.double * quicker, ..rhythm };
     let slower = rise::share_of_step(physique, state, rhythm.step) * steep::slower(params, state);
