@@ -331,6 +331,8 @@ const SPOT: f64 = 0.36;
 /// Share of its weight, from a force that lasts as strong as that on a body takes its quickest steps: of 20 walks under 60 to 80 N two are given
 /// up again and again with slow ones.
 const PULLED: f64 = 0.05;
+/// s of the reference body after a shove, for which a body takes its quickest steps; in as much time again it comes back to its usual ones.
+const SHAKEN: f64 = 1.5;
 
 /// The rhythm of the commanded velocity, in whole ticks.
 pub fn rhythm_now(params: &Params, physique: &Physique, state: &State) -> Rhythm {
@@ -340,7 +342,9 @@ pub fn rhythm_now(params: &Params, physique: &Physique, state: &State) -> Rhythm
     let bounds = (gait.turn, gait.longest.min(gait.grip), kerb);
     let hurried = if gait.spot { 1.0 } else { gait.grade.abs() / GENTLE };
     let pulled = gait.lasting.length() / (PULLED * physique.mass * GRAVITY);
-    let timed = if gait.timed || !params.rolls { 1.0 } else { steep::share(params, state).max(pulled.min(1.0)) };
+    let shaken = (2.0 - state.shoved / (SHAKEN * params.tempo)).clamp(0.0, 1.0);
+    let surely = steep::share(params, state).max(pulled.min(1.0)).max(shaken);
+    let timed = if gait.timed || !params.rolls { 1.0 } else { surely };
     let rhythm = gait::rhythm(params, physique, state.ahead, gait.velocity, bounds, (hurried, timed));
     let quicker = if gait.spot { (SPOT * params.tempo / rhythm.step).min(1.0) } else { 1.0 };
     let rhythm = Rhythm { step: rhythm.step * quicker, double: rhythm.double * quicker, ..rhythm };
