@@ -146,7 +146,7 @@ impl Pilot {
             swing,
             leaves: follow::leaves(state, SOON),
             stride,
-            in_time: steps && !state.climb.on && !gait.spot && !gait.timed && params.rolls,
+            in_time: steps && !state.climb.on && !gait.spot && !gait.timed && params.rolls && params.balls.is_some(),
             balls: if state.climb.down { 1.0 } else { steep::share(params, state) },
         }
     }

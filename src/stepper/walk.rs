@@ -344,7 +344,8 @@ pub fn rhythm_now(params: &Params, physique: &Physique, state: &State) -> Rhythm
     let pulled = gait.lasting.length() / (PULLED * physique.mass * GRAVITY);
     let shaken = (2.0 - state.shoved / (SHAKEN * params.tempo)).clamp(0.0, 1.0);
     let surely = steep::share(params, state).max(pulled.min(1.0)).max(shaken);
-    let timed = if gait.timed || !params.rolls { 1.0 } else { surely };
+    // feet that do not bend and ankles that do nothing make up for less of what is wrong at a landing
+    let timed = if gait.timed || !params.rolls || params.balls.is_none() { 1.0 } else { surely };
     let rhythm = gait::rhythm(params, physique, state.ahead, gait.velocity, bounds, (hurried, timed));
     let quicker = if gait.spot { (SPOT * params.tempo / rhythm.step).min(1.0) } else { 1.0 };
     let rhythm = Rhythm { step: rhythm.step * quicker, double: rhythm.double * quicker, ..rhythm };
