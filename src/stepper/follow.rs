@@ -57,7 +57,7 @@ impl Params {
             // With lower bounds (0.15 m for `stumble`, 0.12 here and 0.5 for `wide`) the plan gives more walks up and the law stops them, with
             // higher ones (0.3 and 0.6) more toes are dragged.
             midair: 0.2 * own.size,
-            wide: 0.55 * own.size,
+            wide: 1.2 * own.step_width + 0.43 * own.size,
             most_across: -own.step_gap, // who is not lost lands his foot on its own side
             rolled: 0.8,
             margin: 0.5 * own.margin,
