@@ -121,6 +121,8 @@ fn slow_walks_do_not_patter() {
 const LEAST: f64 = 0.8;
 const MEAN: f64 = 0.95;
 const SWING: f64 = 0.8;
+/// Shares by which who has just set off is too slow and too fast at most.
+const AT_FIRST: [f64; 2] = [-0.15, 0.08];
 
 /// rad, how far ahead or behind the upper arms swing, from 4 s on.
 fn arms(rig: &Rig, clip: &Baked) -> f64 {
@@ -140,26 +142,31 @@ fn brisk_walks_are_as_fast_as_asked_and_swing_their_arms_as_people_do() {
         .into_par_iter()
         .map(|seed| {
             let (rig, legs) = &people[seed as usize % people.len()];
-            let speed = Seed::new(0xB215 ^ seed).between(0.7, 1.45) * (legs * rig.body.leg_length / 0.83).sqrt();
-            let speed = speed.min(1.5);
+            let speed = Seed::new(0xB215 ^ seed).between(0.7, 1.6) * (legs * rig.body.leg_length / 0.83).sqrt();
             let character = format!("[character]\nleg_scale = {legs}\n");
             let text =
                 format!("title = \"walk\"\nduration = 12.0\n{character}[[walk]]\nstart = 0.5\nspeed = {speed:.2}\n");
             let clip = baked(rig, &text, seed);
-            let went = (rig.sample(&clip.clip, 11.5).hips - rig.sample(&clip.clip, 4.0).hips).length() / 7.5;
-            (format!("{seed}: {speed:.2} m/s, legs {legs}"), went / speed - 1.0, arms(rig, &clip), clip)
+            let went = |from: f64, to: f64| {
+                (rig.sample(&clip.clip, to).hips - rig.sample(&clip.clip, from).hips).length() / (to - from)
+            };
+            let off = [went(3.0, 5.0), went(5.0, 11.5)].map(|went| went / speed - 1.0);
+            (format!("{seed}: {speed:.2} m/s, legs {legs}"), off, arms(rig, &clip), clip)
         })
         .collect();
     let mean = walked.iter().map(|(.., clip)| clip.report.plausibility.score).sum::<f64>() / walked.len() as f64;
     for (name, off, arms, clip) in &walked {
         let found = &clip.report.plausibility;
-        println!("{name}: {:+.1} %, arms {:.0} degrees, {:.2}", 100.0 * off, arms.to_degrees(), found.score);
+        let [first, then] = off.map(|off| 100.0 * off);
+        println!("{name}: {first:+.1} %, then {then:+.1} %, arms {:.0} degrees, {:.2}", arms.to_degrees(), found.score);
     }
     println!("mean score {mean:.3}");
     for (name, off, arms, clip) in &walked {
         let found = &clip.report.plausibility;
         assert_ne!(clip.report.outcome, Outcome::Fall, "{name}");
-        assert!(off.abs() < 0.05, "{name}: {:+.1} %", 100.0 * off);
+        let [first, then] = off;
+        let fair = AT_FIRST[0] < *first && *first < AT_FIRST[1] && then.abs() < 0.05;
+        assert!(fair, "{name}: {:+.1}, then {:+.1} %", 100.0 * first, 100.0 * then);
         assert!(*arms < SWING, "{name}: arms swing by {:.0} degrees", arms.to_degrees());
         assert!(found.score > LEAST, "{name}: {:.2}, {:?}", found.score, found.notes);
     }

@@ -74,6 +74,8 @@ pub struct Gait {
     pub longer: f64,
     /// m, how much nearer to ξ feet are to land for steps to be as wide as planned, as the last ones were found.
     pub nearer: f64,
+    /// m, along the way, by how much ξ falls short at landings of where it is foreseen.
+    pub short: f64,
     /// Does what a mesh has in the way leave nowhere to go? It stands then.
     pub barred: bool,
     /// Is a mesh's ground by the next foothold such that a sole does not lie on it everywhere?
@@ -111,6 +113,7 @@ impl Gait {
             grade: 0.0,
             longer: 0.0,
             nearer: 0.0,
+            short: 0.0,
             barred: false,
             broken: false,
             timed: false,
@@ -332,7 +335,7 @@ const SPOT: f64 = 0.36;
 /// up again and again with slow ones.
 const PULLED: f64 = 0.05;
 /// s of the reference body after a shove, for which a body takes its quickest steps; in as much time again it comes back to its usual ones.
-const SHAKEN: f64 = 1.5;
+pub(super) const SHAKEN: f64 = 1.5;
 
 /// The rhythm of the commanded velocity, in whole ticks.
 pub fn rhythm_now(params: &Params, physique: &Physique, state: &State) -> Rhythm {
@@ -411,6 +414,7 @@ pub fn landed(params: &Params, physique: &Physique, state: &mut State, side: Sid
     let longer = apart.dot(way);
     state.gait.longer += footfall::REMEMBERS * (longer - state.gait.longer);
     state.gait.nearer = footfall::nearer(params, physique, state, &rhythm, (side, apart));
+    state.gait.short = footfall::short(params, physique, state, &rhythm, (side, [stands, landed]), way);
     enter(state, Phase::Double, side.other(), rhythm.double);
     if !params.rolls {
         state.cop = roll::contact(params, state, side);
