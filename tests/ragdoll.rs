@@ -170,8 +170,8 @@ fn a_walk_that_is_slower_than_asked_or_never_sets_off_is_told() {
     let still = alone(&Scenario { duration: 6.0, ..Scenario::default() });
     assert_eq!(stroll(&brisk, &still.performance), Stroll::Never, "who stands has not walked");
     assert!(matches!(stroll(&walking(1.2, 1.0), &alone(&walking(0.8, 1.0)).performance), Stroll::Slower(..)));
-    let short = alone(&walking(1.2, 0.6));
-    let tells = |list: &[String]| list.iter().any(|text| text.contains("walks at most") && text.contains("not 1.20"));
+    let short = alone(&walking(1.4, 0.6));
+    let tells = |list: &[String]| list.iter().any(|text| text.contains("walks at most") && text.contains("not 1.40"));
     println!("{:?}: {:?}", short.report.outcome, short.warnings);
     assert!(tells(&short.warnings) && tells(&short.report.plausibility.notes), "{:?}", short.warnings);
 }

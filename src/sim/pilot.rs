@@ -6,7 +6,7 @@ use crate::maths::quat::yaw_of;
 use crate::model::Side;
 use crate::ragdoll::{Controller, Guide, Wish};
 use crate::stepper::follow::{self, Measured};
-use crate::stepper::{Inputs, Phase, Style, push_off, steep};
+use crate::stepper::{Inputs, Phase, Style, push_off, steep, walk};
 use glam::{DVec2, DVec3};
 
 /// m/s on legs of 0.83 m, the fastest walk that is asked of the plan: with 1.85 its feet slide.
@@ -30,7 +30,7 @@ const GATHERS: f64 = 0.3;
 const MOST: [f64; 2] = [0.3, 0.5];
 /// s at legs of 0.83 m, for which the plan's speed must have been the same: what a body lags behind while it speeds up is no lack. Between 2.5
 /// and 5 s 20 drawn walks of five bodies are 8 % too fast in the mean without it, 4 % with it; with 1.5 s brisk ones of others are 10 to 20 %
-/// too slow. Not where there are treads: of 48 who are shoved amid flights up 7 then fall, not 1.
+/// too slow. Not where there are treads or gaps: of 48 who are shoved amid flights up 7 then fall, not 1.
 /// 1/s and m/s: a speed that changes by more than this share, of no less than that.
 const SETTLES: f64 = 0.5;
 const CHANGES: f64 = 0.3;
@@ -98,7 +98,7 @@ impl Pilot {
             self.session.face(control.looks());
             return;
         }
-        let inputs = self.made_up(inputs, control, course.terrain.has_treads());
+        let inputs = self.made_up(inputs, control);
         self.session.be_patient(control.tuning.patience);
         self.session.follow(&inputs, &measured);
         let state = self.session.state();
@@ -110,7 +110,7 @@ impl Pilot {
     }
 
     /// What is asked of the plan for the body to go as fast as is asked of it: what it has been slower by is added.
-    fn made_up(&mut self, inputs: &Inputs, control: &Controller, treads: bool) -> Inputs {
+    fn made_up(&mut self, inputs: &Inputs, control: &Controller) -> Inputs {
         let (state, dt) = (self.session.state(), self.session.dt());
         let (tempo, pace) = (control.tempo(), self.session.pace());
         let Some(walk) = inputs.walk.filter(|walk| *walk != DVec2::ZERO) else {
@@ -124,7 +124,7 @@ impl Pilot {
         let changes = (meant - self.meant).length() > CHANGES * meant.length().max(SLOW * pace) * dt;
         self.steady = if changes { 0.0 } else { self.steady + dt };
         self.meant = meant;
-        let steady = (self.steady > SETTLES * tempo || treads) && !state.climb.on;
+        let steady = (self.steady > SETTLES * tempo || state.gait.timed) && !state.climb.on;
         if steady && matches!(state.gait.phase, Phase::Single | Phase::Double) {
             let ahead = walk.normalize().dot(state.ahead).max(0.0);
             let most = MOST[0] + (MOST[1] - MOST[0]) * ahead;
@@ -163,7 +163,7 @@ impl Pilot {
             swing,
             leaves: follow::leaves(state, SOON),
             stride,
-            in_time: steps && !state.climb.on && !gait.spot && !gait.timed && params.rolls && params.balls.is_some(),
+            in_time: steps && !state.climb.on && !gait.spot && walk::in_time(params, state),
             balls: if state.climb.down { 1.0 } else { steep::share(params, state) },
         }
     }

@@ -337,6 +337,12 @@ const PULLED: f64 = 0.05;
 /// s of the reference body after a shove, for which a body takes its quickest steps; in as much time again it comes back to its usual ones.
 pub(super) const SHAKEN: f64 = 1.5;
 
+/// Do its feet land when they are planned to, so that it can take its time over a step? Off edges they are timed to land; feet that do not bend
+/// and ankles that do nothing make up for less of what is wrong at a landing.
+pub fn in_time(params: &Params, state: &State) -> bool {
+    !state.gait.timed && params.rolls && params.balls.is_some()
+}
+
 /// The rhythm of the commanded velocity, in whole ticks.
 pub fn rhythm_now(params: &Params, physique: &Physique, state: &State) -> Rhythm {
     let tick = state.gait.tick;
@@ -346,9 +352,8 @@ pub fn rhythm_now(params: &Params, physique: &Physique, state: &State) -> Rhythm
     let hurried = if gait.spot { 1.0 } else { gait.grade.abs() / GENTLE };
     let pulled = gait.lasting.length() / (PULLED * physique.mass * GRAVITY);
     let shaken = (2.0 - state.shoved / (SHAKEN * params.tempo)).clamp(0.0, 1.0);
-    let surely = steep::share(params, state).max(pulled.min(1.0)).max(shaken);
-    // feet that do not bend and ankles that do nothing make up for less of what is wrong at a landing
-    let timed = if gait.timed || !params.rolls || params.balls.is_none() { 1.0 } else { surely };
+    let quick = steep::share(params, state).max(pulled.min(1.0)).max(shaken);
+    let timed = if in_time(params, state) { quick } else { 1.0 };
     let rhythm = gait::rhythm(params, physique, state.ahead, gait.velocity, bounds, (hurried, timed));
     let quicker = if gait.spot { (SPOT * params.tempo / rhythm.step).min(1.0) } else { 1.0 };
     let rhythm = Rhythm { step: rhythm.step * quicker, double: rhythm.double * quicker, ..rhythm };
