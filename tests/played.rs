@@ -4,14 +4,16 @@
 
 use crate::common::builtin;
 use crate::data;
+use glam::DVec3;
 use rayon::prelude::*;
+use surefoot::bake::contacts::FootContact;
 use surefoot::bake::gated::FALLS;
 use surefoot::bake::played::drift::{self, Drift};
 use surefoot::bake::{BakeOptions, Baked, Drive, Helped, bake, perform_by};
 use surefoot::maths::seed::Seed;
 use surefoot::model::report::{Outcome, Part};
 use surefoot::model::scenario::{Direction, Ground, GroundKind, Push, Scenario, Walk};
-use surefoot::model::{Role, Side};
+use surefoot::model::{Body, BodyPose, Role, Side};
 use surefoot::ragdoll::control::Assist;
 use surefoot::rig::{Rig, load};
 use surefoot::sim::{Articulated, PRESSED};
@@ -165,7 +167,7 @@ fn what_a_contact_holds_stands_still_where_the_ground_presses_and_nothing_else_i
             let baked = play(&rig, &scenario);
             let run = run(&baked);
             assert!(baked.report.plausibility.slip_max_mm < 1.0, "{name}: {:?}", baked.report.contacts);
-            let ends: Vec<&surefoot::bake::contacts::FootContact> = baked.performance.contacts.iter().collect();
+            let ends: Vec<&FootContact> = baked.performance.contacts.iter().collect();
             assert!(ends.iter().filter(|contact| contact.part == Part::Flat).count() >= 2, "{name}");
             for contact in &ends {
                 let ticks = (contact.start / 0.01).round() as usize + 1..=(contact.end / 0.01).round() as usize;
@@ -184,28 +186,42 @@ fn what_a_contact_holds_stands_still_where_the_ground_presses_and_nothing_else_i
     }
 }
 
+/// m/s, what a contact is about goes slower; half of what a foot that slides goes faster than.
+const SLIDES: f64 = 0.15;
+
+/// m, what a contact is about: of a foot that lies flat its ankle, of one that rolls its ball or its heel.
+fn held_point(body: &Body, pose: &BodyPose, side: usize, about: Part) -> DVec3 {
+    let shape = &body.feet[side];
+    let ball = shape.forward * shape.ball;
+    let offset = match about {
+        Part::Flat => DVec3::ZERO,
+        Part::Ball => shape.level.inverse() * DVec3::new(ball.x, -shape.ankle_height, ball.y),
+        Part::Heel => shape.heel_point(),
+    };
+    pose.positions(body)[shape.ankle] + pose.turns[shape.ankle] * offset
+}
+
 #[test]
 fn a_foot_that_slides_has_no_contact() {
     let ground = Ground { kind: GroundKind::Slope { angle: 12_f64.to_radians() }, friction: 0.05 };
     let baked = play(&builtin(), &Scenario { ground, duration: 3.0, ..Scenario::default() });
     let run = run(&baked);
     let body = &baked.performance.timeline.body;
-    let speed = |tick: usize, side: usize| {
-        let at = |tick: usize| run.poses[tick].positions(body)[body.feet[side].ankle];
-        at(tick + 2).distance(at(tick - 2)) / 0.04
+    let moves = |tick: usize, side: usize, about: Part| {
+        let [from, to] = [tick - 2, tick].map(|tick| held_point(body, &run.poses[tick], side, about));
+        from.distance(to) / 0.02
     };
     let ticks = (baked.performance.timeline.stands() / 0.01).round() as usize;
     let mut sliding = 0;
-    for tick in 2..ticks - 2 {
-        for side in Side::BOTH {
-            if speed(tick, side as usize) < 0.3 || run.pressed[tick][side as usize] <= 0.0 {
-                continue;
-            }
+    for (tick, side) in (2..ticks).flat_map(|tick| Side::BOTH.map(|side| (tick, side))) {
+        let time = tick as f64 * 0.01;
+        let holds = |c: &&FootContact| c.side == side && c.start <= time && time <= c.end + 1e-9;
+        if let Some(contact) = baked.performance.contacts.iter().find(holds) {
+            let landed = contact.start + 0.02 > time + 1e-9;
+            let speed = if landed { 0.0 } else { moves(tick, side as usize, contact.part) };
+            assert!(speed < SLIDES, "{contact:?} holds at {time} s, where it goes at {speed:.2} m/s");
+        } else if run.pressed[tick][side as usize] > 0.0 && moves(tick, side as usize, Part::Flat) > 2.0 * SLIDES {
             sliding += 1;
-            let time = tick as f64 * 0.01;
-            // it goes from where a contact ends
-            let holds = baked.performance.contacts.iter().find(|c| c.side == side && c.start <= time && time < c.end);
-            assert!(holds.is_none(), "{holds:?} holds at {time} s, where the foot slides");
         }
     }
     assert!(sliding > 20, "it slides for {sliding} ticks");
