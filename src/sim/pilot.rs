@@ -31,9 +31,10 @@ const MOST: [f64; 2] = [0.3, 0.5];
 /// s at legs of 0.83 m, for which the plan's speed must have been the same: what a body lags behind while it speeds up is no lack. Between 2.5
 /// and 5 s 20 drawn walks of five bodies are 8 % too fast in the mean without it, 4 % with it; with 1.5 s brisk ones of others are 10 to 20 %
 /// too slow. Not where there are treads or gaps: with 1.5 s 7 of 48 who are shoved amid flights up fall, not 1.
-/// 1/s and m/s: a speed that changes by more than this share, of no less than that.
 const SETTLES: f64 = 0.5;
+/// 1/s and m/s: a speed that changes by more than this share, of no less than that.
 const CHANGES: f64 = 0.3;
+/// As [`CHANGES`] says.
 const SLOW: f64 = 0.1;
 /// s at legs of 0.83 m: without ankle feedback, for each m/s that it lacks the pressure is so far (m) behind where the plan has it, which
 /// speeds up the whole step. By asking for more speed alone such walks are 14 % too slow at 0.9 m/s.
