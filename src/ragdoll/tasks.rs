@@ -110,8 +110,7 @@ impl Controller {
                 let asked = swing.reference.acceleration
                     + (goal - state.origin) * tuning.foot[0]
                     + (swing.reference.velocity - velocity) * tuning.foot[1];
-                let levels = if self.guided { guide::LEVELS } else { 1.0 };
-                let [stiff, damp] = [tuning.foot_turn[0] * levels, tuning.foot_turn[1] * levels.sqrt()];
+                let [stiff, damp] = self.foot_turn((self.time - swing.start) / swing.time);
                 // A foot that could not stop in time would be carried over the one that stands.
                 let brakes = if asked.with_y(0.0).dot(velocity) < 0.0 { tuning.brakes } else { 1.0 };
                 Acceleration {

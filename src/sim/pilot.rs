@@ -158,7 +158,7 @@ impl Pilot {
             heading: state.facing,
             velocity: gait.velocity,
             lean: state.climb.lean,
-            heel: state.climb.heel.or_else(|| push_off::heel(params, state)),
+            heel: state.climb.heel.or_else(|| push_off::heel(params, state)).or_else(|| steep::heel(params, state)),
             spot: gait.spot,
             ends: gait.last,
             swing,
