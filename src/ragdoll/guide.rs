@@ -33,8 +33,9 @@ const UPHILL: f64 = 0.17;
 const TRAVELS: [f64; 2] = [0.04, 0.945];
 /// Times the law's own, how hard a guided swing's foot is turned.
 const LEVELS: f64 = 1.4;
-/// Share of a guided swing in which that comes in, of who goes somewhere, but not backwards or by stairs, over whose edges toes have to be up at once. Turned as hard
-/// from its first tick on, a foot whose heel is up jumps by 5 degrees in a frame towards lying level, and its leg then takes it on the other way.
+/// Share of a guided swing in which that comes in, of who goes somewhere, but not backwards or by stairs, over whose edges toes have to be
+/// up at once. Turned as hard from its first tick on, a foot whose heel is up jumps by 5 degrees in a frame towards lying level, and its
+/// leg then takes it on the other way.
 const EASES: f64 = 0.5;
 /// The second on balls: over bent knees a foot that is there sooner comes down before its ball is where it is to bear.
 const ARRIVES: f64 = 0.976;
@@ -58,8 +59,9 @@ pub(super) const HANGS: [f64; 2] = [0.3, 0.4];
 /// Share of a guided swing in which its leg, straight when it leaves, comes to use no more of its length than one that can be steered.
 const BENDS: f64 = 0.2;
 /// Share of a guided swing up to which a straight leg is steered by its knee, share in which that ends, and how much quicker than in the
-/// law's own swings: in a slow walk on level ground, and in a brisk one and on slopes, where toes drag over the ground by up to 10 cm in each step
-/// otherwise. By where its foot is to go alone, a straight leg is dragged over the ground for 0.4 of the swing and then thrown ahead, which lifts the body off its feet.
+/// law's own swings: in a slow walk on level ground, and in a brisk one and on slopes, where toes drag over the ground by up to 10 cm in
+/// each step otherwise. By where its foot is to go alone, a straight leg is dragged over the ground for 0.4 of the swing and then thrown
+/// ahead, which lifts the body off its feet.
 const KNEES: [f64; 2] = [0.6, 0.25];
 const QUICKER: [f64; 2] = [2.0, 5.0];
 /// rad at 1 m/s, to either side, in a slow walk and in a brisk one: how far the arms swing, the trunk turns against the pelvis, and the
