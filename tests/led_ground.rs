@@ -18,8 +18,11 @@ use surefoot::rig::Rig;
 /// Bakes that scenario with joint torques alone.
 pub fn baked(rig: &Rig, text: &str, seed: u64) -> Baked {
     let scenario = scenario_text::parse("led", text).unwrap_or_else(|errors| panic!("{errors:?}\n{text}"));
-    let drive = Drive::Ragdoll(Helped::Within(Assist::default()));
-    bake(rig, &scenario, &BakeOptions { drive, seed: Some(seed), ..BakeOptions::default() }).expect("it bakes")
+    bake(rig, &scenario, &BakeOptions { seed: Some(seed), ..by_torques() }).expect("it bakes")
+}
+
+fn by_torques() -> BakeOptions {
+    BakeOptions { drive: Drive::Ragdoll(Helped::Within(Assist::default())), ..BakeOptions::default() }
 }
 
 fn slope(degrees: f64, rest: &str) -> String {
@@ -112,7 +115,7 @@ fn steep_slopes_are_walked_up_on_the_balls_of_the_feet() {
         println!("{name}: {:?}, {:.2} m/s, score {score:.2}", clip.report.outcome, speed(clip));
     }
     // goal: each of them 0.85
-    for (clips, least) in [(&clips[..20], 0.85), (&clips[20..], 0.65)] {
+    for (clips, least) in [(&clips[..20], 0.85), (&clips[20..], 0.8)] {
         let mean = clips.iter().map(|clip| clip.3.report.plausibility.score).sum::<f64>() / clips.len() as f64;
         println!("mean score {mean:.3}");
         assert!(mean >= least, "{mean:.3}");
@@ -121,8 +124,7 @@ fn steep_slopes_are_walked_up_on_the_balls_of_the_feet() {
         let report = &clip.report;
         let score = &report.plausibility;
         assert_ne!(report.outcome, Outcome::Fall, "{name}");
-        // Goal to 25 degrees; beyond 20 two of these 12 stop in their walk.
-        assert!(*degrees > 20.0 || (speed(clip) / pace - 1.0).abs() < 0.1, "{name}: {:.2} m/s", speed(clip));
+        assert!((speed(clip) / pace - 1.0).abs() < 0.1, "{name}: {:.2} m/s", speed(clip));
         assert!(score.joint_excess_share <= 0.01, "{name}: joints past their ranges");
         assert!(score.hover_longest_s <= 0.05 && score.legs_mm >= 10.0, "{name}: in the air or through a leg");
         assert!(score.penetration_max_mm <= 10.0, "{name}: a sole is deep");
@@ -160,18 +162,24 @@ fn who_is_shoved_on_a_slope_keeps_his_feet() {
 #[test]
 fn slopes_to_25_degrees_are_stood_on_without_a_step() {
     let rigs = bodies();
-    let clips: Vec<(String, Baked)> = (0..24u64)
+    let clips: Vec<(String, Baked)> = (0..64u64)
         .into_par_iter()
         .map(|seed| {
             let mut draw = Seed::new(seed ^ 0x57A4D);
-            let (legs, degrees) = ([1.0, 0.7, 1.3][seed as usize % 3], draw.between(-25.0, 25.0));
+            // Every second one faces up a slope that leaves his ankles hardly any range.
+            let least = if seed % 2 == 0 { -25.0 } else { 18.0 };
+            let (legs, degrees) = ([1.0, 0.7, 1.3][seed as usize % 3], draw.between(least, 25.0));
             let text = slope(degrees, &format!("[character]\nleg_scale = {legs}\n"));
-            (
-                format!("{seed}: {degrees:.1} degrees, legs {legs}"),
-                baked(&rigs[seed as usize % rigs.len()], &text, seed),
-            )
+            let scenario = scenario_text::parse("stand", &text).expect("a scenario");
+            // No search: it would find a step or a luckier stand where the usual one drifts.
+            let options = BakeOptions { seed: Some(seed), effort: 0, ..by_torques() };
+            let clip = bake(&rigs[seed as usize % rigs.len()], &scenario, &options).expect("it bakes");
+            (format!("{seed}: {degrees:.1} degrees, legs {legs}"), clip)
         })
         .collect();
+    for (name, clip) in &clips {
+        println!("{name}: {:?}, {} steps", clip.report.outcome, clip.report.steps);
+    }
     for (name, clip) in &clips {
         assert!(clip.report.outcome != Outcome::Fall && clip.report.steps == 0, "{name}: {:?}", clip.report.outcome);
         sound(name, clip);

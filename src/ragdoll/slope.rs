@@ -12,14 +12,16 @@ use crate::maths::real;
 use crate::model::Terrain;
 use glam::{DQuat, DVec2};
 
-/// rad by which the trunk leans for each metre that the ground rises in a metre, of who stands and of who walks. By runs on eight bodies at
-/// 18 to 25 degrees: with less than 1.1 some step back at once. By walks on four: with 1.5 a third falls up 16 degrees; with 2.4 they are
+/// rad by which the trunk leans for each metre that the ground rises in a metre, of who stands and of who walks. Standing, with 1.4 two of
+/// five bodies tip backwards at 27 degrees, with 1.2 at 25. By walks on four: with 1.5 a third falls up 16 degrees; with 2.4 they are
 /// steadier still, but bent over.
-const LEANS_IN: [f64; 2] = [1.4, 1.8];
+const LEANS_IN: [f64; 2] = [1.6, 1.8];
 /// The steepest rise that it leans for: 27 degrees.
 const STEEPEST: f64 = 0.5;
-/// Share of the sole's length by which balance is held nearer to the heels, for each metre that the ground rises in a metre.
-const BACK: f64 = 0.37;
+/// Share of the sole's length by which balance is held nearer to the heels, for each metre that the ground rises in a metre. By stands of
+/// five bodies at 25 degrees: with 0.37 most drift back over their heels and step, with 0.1 ankles are at their ends and some tip backwards.
+/// Of 160 drawn shoves of who stands facing up 10 to 25 degrees 11 fall with 0.37 (and 1.4 above), 6 with these.
+const BACK: f64 = 0.15;
 /// Share of a leg's length that is used uphill with both feet down, and the rise from which on it is: 14 degrees. With 0.998 knees come to be
 /// locked, where nothing moves the body along its legs.
 const STRAIGHT: f64 = 0.993;
