@@ -27,7 +27,7 @@ const HIGHER: f64 = 1.3;
 
 /// rad, how far the heel of such a foot rises at the end of its stance, and the share of the other foot's swing from which on it does. A heel that
 /// the ankle's range alone holds up comes down while the leg stretches: the leg is straight before the other foot has landed, carries no more and
-/// drags its foot back. Of 40 drawn walks up 25 degrees 3 fall then, at a mean score of 0.48; with these 1, at 0.66; with 0.5 rad 4, with 0.7 12.
+/// drags its foot back. Of 12 walks up 22 degrees on three rigs that nothing was tuned on the mean score is 0.70 then, 0.85 with these.
 const RAISES: f64 = 0.3;
 const RAISED: f64 = 0.4;
 
