@@ -77,6 +77,14 @@ fn nobody_drags_a_foot_who_walks_straight_ahead() {
 /// 1/min on legs of 0.83 m, at most so many steps; people take 55 to 80 of them.
 const STEPS: f64 = 136.0;
 
+/// Steps a minute from 4 s on, and s, the longest time from one landing to the next.
+fn cadence(clip: &Baked) -> (f64, f64) {
+    let steps = clip.performance.trace.steps.iter().filter(|step| step.land > 4.0);
+    let lands: Vec<f64> = steps.map(|step| step.land).collect();
+    let rate = 60.0 * (lands.len() - 1) as f64 / (lands[lands.len() - 1] - lands[0]);
+    (rate, lands.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max))
+}
+
 #[test]
 fn slow_walks_do_not_patter() {
     // people whose feet bend: others still take quicker steps
@@ -95,10 +103,8 @@ fn slow_walks_do_not_patter() {
             };
             let walk = format!("[character]\nleg_scale = {legs}\n[[walk]]\nstart = 0.5\nspeed = {speed:.2}");
             let clip = baked(rig, &format!("title = \"walk\"\nduration = 14.0\n{ground}{walk}\n"), seed);
-            let steps = clip.performance.trace.steps.iter().filter(|step| step.land > 4.0);
-            let lands: Vec<f64> = steps.map(|step| step.land).collect();
-            let rate = 60.0 * (lands.len() - 1) as f64 / (lands[lands.len() - 1] - lands[0]) * tempo;
-            let longest = lands.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max) / tempo;
+            let (rate, longest) = cadence(&clip);
+            let (rate, longest) = (rate * tempo, longest / tempo);
             (format!("{seed}: {speed:.2} m/s, legs {legs}"), rate, longest, clip)
         })
         .collect();
@@ -115,6 +121,35 @@ fn slow_walks_do_not_patter() {
         assert!(*longest < 0.75, "{name}: it stops for {longest:.2} s");
         assert!(clip.report.plausibility.score > 0.8, "{name}: {:?}", clip.report.plausibility.notes);
     }
+}
+
+/// Steps a minute at legs of 0.83 m, of each brisk walk and in the mean at most. People take 105 to 120 of them.
+const BRISK: f64 = 165.0;
+const BRISK_MEAN: f64 = 160.0;
+
+#[test]
+fn brisk_walks_do_not_patter() {
+    // people whose feet bend
+    let people = people(&[1.0, 0.7, 1.3], &["m2m_human_male.glb", "m2m_rig_human.glb"]);
+    let walked: Vec<_> = (0..15_u64)
+        .into_par_iter()
+        .map(|seed| {
+            let (rig, legs) = &people[seed as usize % people.len()];
+            let tempo = (legs * rig.body.leg_length / 0.83).sqrt();
+            let speed = Seed::new(seed ^ 0xCADE).between(1.0, 1.3) * tempo;
+            let walk = format!("[character]\nleg_scale = {legs}\n[[walk]]\nstart = 0.5\nspeed = {speed:.2}");
+            let clip = baked(rig, &format!("title = \"walk\"\nduration = 14.0\n{walk}\n"), seed);
+            assert_ne!(clip.report.outcome, Outcome::Fall, "{seed}");
+            (format!("{seed}: {speed:.2} m/s, legs {legs}"), cadence(&clip).0 * tempo)
+        })
+        .collect();
+    let mean = walked.iter().map(|(_, rate)| rate).sum::<f64>() / walked.len() as f64;
+    walked.iter().for_each(|(name, rate)| println!("{name}: {rate:.0} steps a minute"));
+    println!("mean {mean:.0}");
+    for (name, rate) in &walked {
+        assert!(*rate < BRISK, "{name}: {rate:.0} steps a minute");
+    }
+    assert!(mean < BRISK_MEAN, "{mean:.0}");
 }
 
 /// Of 1: the scores of each brisk walk, and of all; rad, how far a person's upper arms swing from hanging down at most.

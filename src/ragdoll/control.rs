@@ -128,6 +128,8 @@ pub struct Controller {
     pub(super) upper_inertia: f64,
     pub(super) stopped: Vec<DVec3>,
     pub(super) aimed: f64,
+    /// m/s, how fast that changes.
+    pub(super) sinking: f64,
     pub(super) leaving: Option<(Side, usize)>,
     pub(super) soles: [Sole; 2],
     pub(super) slants: [DVec2; 2], // m, from the ground point of a foot to under its ankle: none on level ground
@@ -203,6 +205,7 @@ impl Controller {
             goes: false,
             projected: false,
             aimed: states[0].origin.y,
+            sinking: 0.0,
             heading: yaw_of(states[0].turn),
             facing: yaw_of(states[0].turn),
             last: None,
@@ -359,12 +362,10 @@ impl Controller {
     /// m/s², how the centre of mass is to move over that pressure. Its height is the stand's, but never past the legs' reach.
     fn carried(&mut self, figure: &Figure, terrain: &Terrain, cop: DVec2, height: f64, floor: f64, dt: f64) -> DVec3 {
         let tuning = self.tuning;
-        let aim = self.wanted_height(figure, terrain, floor);
-        let most = tuning.sink * dt * self.size.sqrt();
-        self.aimed += (aim - self.aimed).clamp(-most, most);
+        self.sink_to(self.wanted_height(figure, terrain, floor), dt);
         let wanted_height = self.aimed;
         let up = GRAVITY + tuning.height[0] * (wanted_height - self.states[0].origin.y) / self.size.sqrt()
-            - tuning.height[1] * (self.motion.velocity.y - self.guide.map_or(0.0, |guide| guide.climbs));
+            - tuning.height[1] * (self.motion.velocity.y - self.sinks() - self.guide.map_or(0.0, |guide| guide.climbs));
         let up = up.clamp(0.6 * GRAVITY, 2.0 * GRAVITY);
         let level = (flat(self.motion.com) - cop) * (up / height);
         DVec3::new(level.x, up - GRAVITY, level.y)

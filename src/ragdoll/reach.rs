@@ -5,6 +5,7 @@
 
 use super::control::Controller;
 use super::figure::Figure;
+use super::guide::Guide;
 use super::kerb;
 use super::ranges::leaning;
 use super::sole::POINTS;
@@ -103,10 +104,17 @@ impl Controller {
         (level * ball - turn * ball) * self.on_balls()
     }
 
+    /// How far a foot is one that stands on its ball, 0 to 1: uphill both, in a walk of long strides that whose heel is up.
+    fn on_ball(&self, side: Side) -> f64 {
+        let rises = |guide: &Guide| guide.heel.is_some_and(|(foot, pitch)| foot == side && pitch > 0.0);
+        self.guide.filter(rises).map_or(0.0, |guide| guide.strides).max(self.on_balls())
+    }
+
     /// m, where a foot's ankle is; where feet stand on their balls, where it would be if this one lay flat instead.
     pub fn laid_flat(&self, figure: &Figure, side: Side) -> DVec3 {
         let state = &self.states[figure.legs[side as usize][2]];
-        state.origin - self.over_ball(figure, side, self.soles[side as usize].level, state.turn)
+        let (ball, level) = (figure.ball(side), self.soles[side as usize].level);
+        state.origin - (level * ball - state.turn * ball) * self.on_ball(side)
     }
 
     /// How the sole of a foot that bears is to lie.

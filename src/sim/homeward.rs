@@ -177,6 +177,7 @@ impl Homeward {
             swing,
             leaves: None,
             stride: None,
+            strides: 0.0,
             in_time: false,
             balls: 0.0,
         })

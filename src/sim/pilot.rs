@@ -6,7 +6,7 @@ use crate::maths::quat::yaw_of;
 use crate::model::Side;
 use crate::ragdoll::{Controller, Guide, Wish};
 use crate::stepper::follow::{self, Measured};
-use crate::stepper::{Inputs, Phase, Style, push_off, steep, walk};
+use crate::stepper::{Inputs, Phase, Style, steep, walk};
 use glam::{DVec2, DVec3};
 
 /// m/s on legs of 0.83 m, the fastest walk that is asked of the plan: with 1.85 its feet slide.
@@ -158,12 +158,13 @@ impl Pilot {
             heading: state.facing,
             velocity: gait.velocity,
             lean: state.climb.lean,
-            heel: state.climb.heel.or_else(|| push_off::heel(params, state)).or_else(|| steep::heel(params, state)),
+            heel: state.climb.heel.or_else(|| self.session.heel()).or_else(|| steep::heel(params, state)),
             spot: gait.spot,
             ends: gait.last,
             swing,
             leaves: follow::leaves(state, SOON),
             stride,
+            strides: if steps { self.session.strides() } else { 0.0 },
             in_time: steps && !state.climb.on && !gait.spot && walk::in_time(params, state),
             balls: if state.climb.down { 1.0 } else { steep::share(params, state) },
         }

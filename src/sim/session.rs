@@ -8,11 +8,15 @@ use crate::model::scenario::Feet;
 use crate::model::{Side, Terrain};
 use crate::stepper::follow::{self, Measured};
 use crate::stepper::support;
-use crate::stepper::{self, Inputs, Params, Phase, Physique, State, Step, Style, TickOutput, footing, ground, walk};
+use crate::stepper::{
+    self, Inputs, Params, Phase, Physique, State, Step, Style, TickOutput, footing, ground, push_off, walk,
+};
 use glam::{DQuat, DVec2, DVec3};
 
 /// s after the end, when a foot that is held up would come down.
 const HOLDS_ON: f64 = 2.0;
+/// The share of the leg by which who walks is shortened in a crouch from which on no stride is long.
+const CROUCHED: f64 = 0.05;
 /// The share of the leg by which the deepest crouch shortens it.
 pub(super) const DEEPEST: f64 = 0.6;
 /// s, the length of a tick.
@@ -158,6 +162,16 @@ impl Session {
         (gait.side, (self.state.time - begun) / rhythm.step, rhythm.step)
     }
 
+    /// How long its strides are for its speed, 0 to 1.
+    pub fn strides(&self) -> f64 {
+        push_off::strides(&self.params, &self.physique, &self.state)
+    }
+
+    /// The foot whose heel is to rise now on level ground, and how far, rad.
+    pub fn heel(&self) -> Option<(Side, f64)> {
+        push_off::heel(&self.params, &self.physique, &self.state)
+    }
+
     /// One tick with that intent under those pushes (those that are acting by their times).
     pub fn step(&mut self, intent: &Inputs, pushes: &[SessionPush]) -> TickOutput {
         self.bend_to(intent.crouch);
@@ -210,7 +224,8 @@ impl Session {
         let tuned = if self.embodied { Params::embodied } else { Params::new };
         let params = tuned(&self.physique, &self.style);
         let (stumble, midair) = (self.patience * params.stumble, self.patience * params.midair);
-        self.params = Params { stumble, midair, balls: self.balls, ..params };
+        let upright = (1.0 - self.crouch.x / CROUCHED).max(0.0);
+        self.params = Params { stumble, midair, balls: self.balls, upright, ..params };
     }
 
     /// The controller's state.

@@ -223,11 +223,22 @@ pub fn touchdown(
         cop = early;
     }
     if time > 0.0 {
-        (com, velocity) = gait::carried(com, velocity, [cop, rear + toe * rhythm.roll[1]], omega, time);
+        let (late, runs) = (rear + toe * rhythm.roll[1], running(state, rhythm, wait, time));
+        (com, velocity) = gait::carried(com, velocity, [cop, late], omega, runs);
+        if time > runs {
+            (com, velocity) = gait::carried(com, velocity, [late; 2], omega, time - runs);
+        }
     }
     let short = if state.shoved < walk::SHAKEN * params.tempo { 0.0 } else { state.gait.short };
     let way = state.gait.velocity.normalize_or(state.ahead);
     (com, velocity - way * (short * omega))
+}
+
+/// s, how much of the `time` that is left on one foot, after `wait`, the pressure still rolls.
+fn running(state: &State, rhythm: &Rhythm, wait: f64, time: f64) -> f64 {
+    let gait = &state.gait;
+    let whole = if wait > 0.0 || gait.phase != walk::Phase::Single { time } else { gait.until - gait.since };
+    (time - (1.0 - rhythm.run) * whole.max(time)).max(0.0)
 }
 
 /// What the paper's k_p is as people set it (`[stepper] pull_bias`): then the lean balances the force.
@@ -287,6 +298,7 @@ fn landing(
         // a tick's pressure is its middle's
         let (to, left) = if gait.phase == walk::Phase::Single { (1, time) } else { (0, wait) };
         let end = rear + support::forward(stance.yaw) * rhythm.roll[to];
+        let left = if to == 1 { running(state, rhythm, 0.0, left) } else { left };
         cop += (end - cop) * (0.5 * gait.tick / left.max(gait.tick));
     }
     let (com, velocity) = touchdown(params, physique, state, rhythm, (side, cop), (wait, time));

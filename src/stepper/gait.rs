@@ -23,6 +23,8 @@ pub struct Rhythm {
     pub width: f64,
     /// m ahead of the ankle, where the pressure arrives under a foot and where it leaves it.
     pub roll: [f64; 2],
+    /// Share of the time on one foot in which it rolls; after that the pressure stays where it leaves.
+    pub run: f64,
 }
 
 /// m/s of the reference body: a walk up to the first is slow, one from the second on is not.
@@ -93,6 +95,7 @@ pub fn rhythm(
             + (params.width - params.step_width).max(0.06 * params.size) * spin * (1.0 - speed).max(0.0)
             + travel,
         roll: [mid - half, mid + half],
+        run: 1.0,
     }
 }
 
@@ -105,6 +108,13 @@ pub fn weights(omega: f64, after: f64, time: f64) -> [f64; 2] {
     }
     let mean = (one - two) / (omega * time);
     [one - mean, mean - two]
+}
+
+/// The same of a run that is over after `run` of its time and stays at its end.
+pub fn rolled(omega: f64, after: f64, time: f64, run: f64) -> [f64; 2] {
+    let [from, to] = weights(omega, after, run * time);
+    let stays = real::exp(-omega * (after + run * time)) - real::exp(-omega * (after + time));
+    [from, to + stays]
 }
 
 /// Position and velocity after `time` s while the pivot runs straight from `from` to `to`, at constant height.
@@ -144,7 +154,7 @@ pub fn pivot(
     velocity: DVec2,
 ) -> Pivot {
     let [first, second] = weights(omega, 0.0, rhythm.double);
-    let [third, fourth] = weights(omega, rhythm.double, rhythm.step - rhythm.double);
+    let [third, fourth] = rolled(omega, rhythm.double, rhythm.step - rhythm.double, rhythm.run);
     let decay = real::exp(-omega * rhythm.step);
     let all = 1.0 - decay;
     let [early, late] = rhythm.roll;
@@ -190,5 +200,23 @@ impl Pivot {
             level
         };
         ankle + way * ((distance - level) / self.shares[1])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_roll_that_is_over_early_carries_the_body_as_its_two_parts_do() {
+        let (omega, time, run) = (3.2, 0.4, 0.7);
+        let [from, to] = [DVec2::new(0.0, -0.05), DVec2::new(0.0, 0.12)];
+        let (com, velocity) = (DVec2::new(0.02, 0.0), DVec2::new(0.1, 1.1));
+        let (amid, then) = carried(com, velocity, [from, to], omega, run * time);
+        let (end, last) = carried(amid, then, [to, to], omega, (1.0 - run) * time);
+        let [one, two] = rolled(omega, 0.0, time, run);
+        let xi = (com + velocity / omega - from * one - to * two) * real::exp(omega * time);
+        assert!(xi.distance(end + last / omega) < 1e-9, "{xi} {}", end + last / omega);
+        assert_eq!(rolled(omega, 0.1, time, 1.0), weights(omega, 0.1, time));
     }
 }

@@ -120,6 +120,7 @@ pub struct Params {
     pub trims: bool,        // under a force that lasts it corrects its own speed, and nobody else does
     pub fits: bool,         // steps are timed so that they land off the edges of gaps
     pub balls: Option<f64>, // m ahead of the ankles, where feet bear with their heels up; none where heels rise by themselves or not at all
+    pub upright: f64,       // how little it is crouched, 0 to 1: strides are long where it is not
     pub even: f64,          // share that is kept of what makes a step unlike the last ones
     pub wide: f64,          // m, steps wider than so are no walk
     pub brief: f64,         // s, the swings of the first and the last step are no longer than so
@@ -237,6 +238,7 @@ impl Params {
             trims: true,
             fits: false,
             balls: None,
+            upright: 1.0,
             wide: f64::INFINITY,
             least_swing: dial(0.34, 0.28, 0.20) * tempo,
             brief: 0.45 * tempo,

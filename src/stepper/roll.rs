@@ -4,7 +4,7 @@
 use super::gait::{self, Rhythm};
 use super::support::{Support, Tread};
 use super::walk::{Phase, omega, rhythm_now};
-use super::{Params, Physique, State, StepKind, footfall, ground, pace, support, turn};
+use super::{Params, Physique, State, StepKind, footfall, ground, pace, push_off, support, turn};
 use crate::maths::real;
 use crate::model::{Side, Terrain};
 use glam::DVec2;
@@ -24,10 +24,11 @@ pub fn pressure(params: &Params, physique: &Physique, terrain: &Terrain, state: 
     }
     let rhythm = rhythm_now(params, physique, state);
     let length = (gait.until - gait.since).max(dt);
-    let along = |time: f64| ((time - gait.since) / length).clamp(0.0, 1.0);
     let single = gait.phase == Phase::Single;
+    let runs = if single { rhythm.run * length } else { length };
+    let share = |time: f64, of: f64| ((time - gait.since) / of).clamp(0.0, 1.0);
     let end = ground(stance.ankle) + toe * rhythm.roll[usize::from(single)];
-    let now = gait.from.lerp(end, along(state.time));
+    let now = gait.from.lerp(end, share(state.time, runs));
     let left_over = (gait.until - state.time).max(0.0);
     let planned = state.gait.next.filter(|_| footfall::fits(params, terrain, state));
     let swings = planned.map_or(rhythm.step - rhythm.double, |(_, time)| time);
@@ -35,15 +36,19 @@ pub fn pressure(params: &Params, physique: &Physique, terrain: &Terrain, state: 
     let wanted = feedback(params, physique, terrain, state, &rhythm, now, times);
     let shift = gait.shift + (wanted - gait.shift) * (1.0 - real::exp(-dt / params.lag));
     state.gait.shift = shift;
-    let half = along(state.time + 0.5 * dt);
-    let roll = gait.from.lerp(end, half);
-    let fading = ((1.0 - half) / 0.3).min(1.0);
+    let half = state.time + 0.5 * dt;
+    let roll = gait.from.lerp(end, share(half, runs));
+    let fading = ((1.0 - share(half, length)) / 0.3).min(1.0);
     let at = roll + shift * fading;
     if !single {
         return Some(state.inset.nearest(at));
     }
     Some(Support::one(params, physique, &stance, Tread::Whole, params.margin).nearest(at))
 }
+
+/// Share of its feedback that a walk of long strides does without. Of 20 drawn walks of 0.7 to 1.4 m/s at 130 steps a minute 7 are more than 5 % off
+/// their speed with all of it, 2 with half of it and a pelvis that comes down in time, and the mean score is 0.98, not 0.91.
+const SPARED: f64 = 0.5;
 
 /// How far the pressure should be off its roll for the step to come out as a steady one would.
 fn feedback(
@@ -80,7 +85,8 @@ fn feedback(
         let (aside, behind) = (off.dot(state.aside()), off.dot(state.ahead) * way.dot(state.ahead).signum());
         error = state.aside() * aside + state.ahead * (behind.min(0.0) * way.dot(state.ahead).signum());
     }
-    error * (params.walk_gain / (real::exp(omega * (wait + time).max(0.2 * params.tempo)) - 1.0))
+    let gain = params.walk_gain * (1.0 - SPARED * push_off::strides(params, physique, state));
+    error * (gain / (real::exp(omega * (wait + time).max(0.2 * params.tempo)) - 1.0))
 }
 
 /// ξ at the touchdown, `time` s from now, of a step as long and as wide as the steady ones.
@@ -127,7 +133,7 @@ fn to_lift(params: &Params, physique: &Physique, state: &State, side: Side, left
     let over = OVER[usize::from(!state.gait.spot)] * params.tempo;
     let single = (rhythm.step - rhythm.double).min(params.brief);
     let landing = steady_xi(params, physique, state, rhythm, side, left_over + single);
-    let [one, two] = gait::weights(omega, 0.0, single);
+    let [one, two] = gait::rolled(omega, 0.0, single, rhythm.run);
     let at_lift = landing * real::exp(-omega * single) + early * one + late * two;
     let hold = left_over - over;
     let kept = real::exp(-omega * hold);

@@ -8,8 +8,8 @@ use super::gait::{self, Rhythm};
 use super::pace::{self, Pace};
 use super::support::{Support, Tread};
 use super::{
-    Inputs, Params, Physique, State, StepKind, Swing, footfall, footing, grip, ground, kerb, mesh, rise, roll, steep,
-    swing, turn,
+    Inputs, Params, Physique, State, StepKind, Swing, footfall, footing, grip, ground, kerb, mesh, push_off, rise,
+    roll, steep, swing, turn,
 };
 use super::{Passing, balance};
 use crate::maths::pendulum::{self, GRAVITY};
@@ -343,6 +343,13 @@ pub fn in_time(params: &Params, state: &State) -> bool {
     !state.gait.timed && params.rolls && params.balls.is_some()
 }
 
+/// How much of its quickest steps a body needs, 0 to 1: uphill on its balls, against a force that lasts, after a shove.
+pub(super) fn quick(params: &Params, physique: &Physique, state: &State) -> f64 {
+    let pulled = state.gait.lasting.length() / (PULLED * physique.mass * GRAVITY);
+    let shaken = (2.0 - state.shoved / (SHAKEN * params.tempo)).clamp(0.0, 1.0);
+    steep::share(params, state).max(pulled.min(1.0)).max(shaken)
+}
+
 /// The rhythm of the commanded velocity, in whole ticks.
 pub fn rhythm_now(params: &Params, physique: &Physique, state: &State) -> Rhythm {
     let tick = state.gait.tick;
@@ -350,11 +357,9 @@ pub fn rhythm_now(params: &Params, physique: &Physique, state: &State) -> Rhythm
     let kerb = (params.fits && gait.longest.is_finite()).then_some(kerb::MEAN * kerb::STRIDE);
     let bounds = (gait.turn, gait.longest.min(gait.grip), kerb);
     let hurried = if gait.spot { 1.0 } else { gait.grade.abs() / GENTLE };
-    let pulled = gait.lasting.length() / (PULLED * physique.mass * GRAVITY);
-    let shaken = (2.0 - state.shoved / (SHAKEN * params.tempo)).clamp(0.0, 1.0);
-    let quick = steep::share(params, state).max(pulled.min(1.0)).max(shaken);
-    let timed = if in_time(params, state) { quick } else { 1.0 };
+    let timed = if in_time(params, state) { quick(params, physique, state) } else { 1.0 };
     let rhythm = gait::rhythm(params, physique, state.ahead, gait.velocity, bounds, (hurried, timed));
+    let rhythm = push_off::rolled(rhythm, push_off::strides(params, physique, state));
     let quicker = if gait.spot { (SPOT * params.tempo / rhythm.step).min(1.0) } else { 1.0 };
     let rhythm = Rhythm { step: rhythm.step * quicker, double: rhythm.double * quicker, ..rhythm };
     let slower = rise::share_of_step(physique, state, rhythm.step) * steep::slower(params, state);
