@@ -178,6 +178,12 @@ fn the_demo_needs_no_other_file_and_says_what_came_of_it() {
     for part in ["exports/demo.glb", "shove_from_the_left", "outcome    step", "push_start", "flat", "plausible"] {
         assert!(told.out.contains(part), "`{part}` is not in\n{}", told.out);
     }
+    let readme = include_str!("../README.md");
+    let (_, sample) = readme.split_once("It prints what happened:\n\n```text\n").expect("README shows what it prints");
+    let (sample, _) = sample.split_once("\n```").expect("an end");
+    for line in sample.lines().map(|line| line.trim_end_matches("...")) {
+        assert!(told.out.contains(line), "README shows `{line}`, which is not in\n{}", told.out);
+    }
     let bytes = fs::read(shell.path("exports/demo.glb")).expect("there");
     assert!(bytes.starts_with(b"glTF"));
     let events: serde_json::Value =
