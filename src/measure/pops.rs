@@ -53,7 +53,8 @@ pub fn pops(track: &Track) -> Vec<Pop> {
 }
 
 /// The pops of a joint that is turned like that frame by frame: the frame that each begins at and its step, rad. The first and the last step
-/// are held against so many on their one side: 1, or 2 of a whole clip, where a joint that turns back there does not pop.
+/// are held against so many on their one side: 1, or 2 of a whole clip, where a joint that turns back there does not pop, nor one that sets off
+/// or comes to rest no more sharply than it does elsewhere in the clip: what a cut leaves of a quick swing.
 pub(crate) fn jumps(turns: &[DQuat], least: f64, at_ends: usize) -> Vec<(usize, f64)> {
     let steps: Vec<f64> = turns.windows(2).map(|pair| angle_of(pair[0].inverse() * pair[1])).collect();
     let mut found = Vec::new();
@@ -85,7 +86,17 @@ fn jump(steps: &[f64], at: usize, (count, least): (usize, f64), at_ends: usize) 
     let far = |is_end: bool| if is_end { at_ends } else { 1 };
     let (first, last) = (at == 0, at + count == steps.len());
     let around = before().take(far(last)).chain(after().take(far(first))).copied().reduce(f64::max)?;
-    (sum > least && sum > POP_FACTOR * around * count as f64).then_some(sum)
+    let starts_as_elsewhere = || {
+        let sharpest = if last { sharpest(&steps[..at]) } else { sharpest(&steps[at + count..]) };
+        sum - around * count as f64 <= sharpest
+    };
+    let jumps = sum > least && sum > POP_FACTOR * around * count as f64;
+    (jumps && !((first || last) && at_ends > 1 && starts_as_elsewhere())).then_some(sum)
+}
+
+/// rad, the largest change from a step to the next.
+fn sharpest(steps: &[f64]) -> f64 {
+    steps.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max)
 }
 
 /// rad, of a rotation; exact for small ones.
@@ -156,6 +167,25 @@ mod tests {
         };
         assert_eq!(knee(&[10.0, 25.0, 34.0, 36.0, 27.0]), [0, 0]);
         assert_eq!(knee(&[33.5, 34.0, 34.5, 35.0, 26.0]), [1, 1]);
+    }
+
+    #[test]
+    fn a_clip_may_be_cut_wherever_a_swing_is_that_it_has_seen_before() {
+        // A heel that rises by 40 degrees in four frames and comes back as quickly, once in 16.
+        let swing = |frame: usize| {
+            let u = ((frame % 16) as f64 / 4.0).min((12.0 - (frame % 16) as f64) / 4.0).clamp(0.0, 1.0);
+            DQuat::from_rotation_x(40.0 * DEGREE * u * u * (3.0 - 2.0 * u))
+        };
+        let ends = |frames: usize, jerk: f64| {
+            let mut turns: Vec<DQuat> = (0..frames).map(swing).collect();
+            *turns.last_mut().expect("frames") *= DQuat::from_rotation_x(jerk * DEGREE);
+            let back: Vec<DQuat> = turns.iter().rev().copied().collect();
+            [turns, back].map(|turns| jumps(&turns, POP_LEAST, 2).len())
+        };
+        for frames in 32..64 {
+            assert_eq!(ends(frames, 0.0), [0, 0], "{frames} frames");
+        }
+        assert_eq!(ends(48, 20.0), [1, 1], "at rest for three frames before");
     }
 
     #[test]
