@@ -104,3 +104,26 @@ fn any_lane_on_any_ground_is_played_and_whose_drive_is_chosen_stands() {
     assert!(fall.is_empty(), "{fall:#?}");
     assert!(score(&chosen) >= score(&alone), "the better one is chosen");
 }
+
+#[test]
+fn who_steps_sideways_closes_his_feet_no_nearer_than_his_legs_may_come() {
+    let people = people(&[1.0, 0.7, 1.3], &["m2m_rig_human.glb", "m2m_ue_names_no_animation.glb"]);
+    let near: Vec<String> = (0..10u64)
+        .into_par_iter()
+        .filter_map(|seed| {
+            let mut draw = Seed::new(seed ^ 0x51DE);
+            let (rig, legs) = &people[seed as usize % people.len()];
+            let (speed, heading) = (draw.between(0.15, 0.3) * legs.sqrt(), if seed % 2 == 0 { 90 } else { 270 });
+            let walk = format!("[[walk]]\nstart = 0.5\nspeed = {speed:.3}\nheading = {heading}\nfacing = 0");
+            let text = format!("title = \"aside\"\nduration = 12.0\n[character]\nleg_scale = {legs}\n{walk}\n");
+            let scenario = scenario_text::parse("aside", &text).expect("a scenario");
+            let drive = Drive::Ragdoll(Helped::Within(Assist::default()));
+            let options = BakeOptions { drive, seed: Some(seed), ..BakeOptions::default() };
+            let found = bake(rig, &scenario, &options).expect("a clip").report.plausibility;
+            println!("{seed}: {:.0} mm, score {:.3}", found.legs_mm, found.score);
+            // knees are 11 cm wide
+            (found.legs_mm < 118.0 || found.score < 0.9).then(|| format!("{seed}: {:.0} mm", found.legs_mm))
+        })
+        .collect();
+    assert!(near.is_empty(), "{near:#?}");
+}

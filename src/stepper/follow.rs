@@ -58,6 +58,8 @@ impl Params {
             // higher ones (0.3 and 0.6) more toes are dragged.
             midair: 0.2 * own.size,
             wide: 1.2 * own.step_width + 0.43 * own.size,
+            // who steps sideways closes his feet no nearer than his legs may come
+            step_gap: own.step_gap.max(0.125 * own.size),
             most_across: -own.step_gap, // who is not lost lands his foot on its own side
             rolled: 0.8,
             margin: 0.5 * own.margin,
