@@ -12,6 +12,9 @@ use glam::{DQuat, DVec2, DVec3};
 const TOUCHES: f64 = 0.005;
 /// m: points that are no higher than the lowest by that are the lowest.
 const BESIDE: f64 = 0.001;
+/// m, by which the ground is lower past an edge, and how often the way between two corners of a sole is halved to find one: to 0.02 mm.
+const LOWER: f64 = 0.01;
+const HALVES: usize = 14;
 
 /// A foot that bears and does not hold still, as the motion says.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +42,8 @@ pub fn touching(track: &Track, side: Side, sample: usize) -> Option<Touching> {
     let ground = track.terrain.as_ref()?.held_at(time);
     let mut points = Vec::new();
     sole_points(track, sample, side, &mut points);
+    let edges = over_edges(&ground, &points);
+    points.extend(edges.iter().map(|edge| edge.of(&points)).collect::<Vec<DVec3>>());
     let over = |point: &DVec3| height(&ground, *point);
     let lowest = points.iter().copied().min_by(|a, b| over(a).total_cmp(&over(b)))?;
     let least = TOUCHES * track.motion.body.leg_length / 0.83;
@@ -81,6 +86,49 @@ fn sole_points(track: &Track, sample: usize, side: Side, out: &mut Vec<DVec3>) {
     }
 }
 
+/// A point of a sole, on the line between two of its corners, as a share of the way from one to the other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Between {
+    corners: [usize; 2],
+    share: f64,
+}
+
+impl Between {
+    fn of(&self, corners: &[DVec3]) -> DVec3 {
+        corners[self.corners[0]].lerp(corners[self.corners[1]], self.share)
+    }
+}
+
+/// Where the lines between the corners of a sole cross an edge of the ground, on what is higher: on such a point a foot stands that has
+/// come off the ground behind the edge and hangs over what is lower before it.
+fn over_edges(ground: &Terrain, corners: &[DVec3]) -> Vec<Between> {
+    let mut found = Vec::new();
+    if !ground.has_edges() {
+        return found;
+    }
+    let under = |point: DVec3| {
+        let spot = ground.spot(DVec2::new(point.x, point.z));
+        if spot.holds { spot.height } else { f64::NEG_INFINITY }
+    };
+    for one in 0..corners.len() {
+        for other in 0..one {
+            let (first, second) = (under(corners[one]), under(corners[other]));
+            if first.max(second) - first.min(second) <= LOWER || first == second {
+                continue;
+            }
+            let pair = if first > second { [one, other] } else { [other, one] };
+            let (mut share, mut past) = (0.0, 1.0);
+            for _ in 0..HALVES {
+                let between = Between { corners: pair, share: 0.5 * (share + past) };
+                let on = under(between.of(corners)) > first.max(second) - LOWER;
+                *(if on { &mut share } else { &mut past }) = between.share;
+            }
+            found.push(Between { corners: pair, share });
+        }
+    }
+    found
+}
+
 /// m over the ground, along its normal.
 fn height(ground: &Terrain, point: DVec3) -> f64 {
     let spot = ground.spot(DVec2::new(point.x, point.z));
@@ -103,6 +151,11 @@ fn slide(track: &Track, scuff: &Scuff) -> f64 {
         sole_points(track, sample, scuff.side, &mut here);
         sole_points(track, sample + 1, scuff.side, &mut next);
         let (now, then) = (terrain.held_at(track.motion.time(sample)), terrain.held_at(track.motion.time(sample + 1)));
+        for edge in over_edges(&now, &here) {
+            let (at, goes) = (edge.of(&here), edge.of(&next));
+            here.push(at);
+            next.push(goes);
+        }
         let ground = terrain.turn(track.motion.time(sample + 1)) * terrain.turn(track.motion.time(sample)).inverse();
         way += way_over((&here, &next), (&now, &then), ground);
     }
@@ -146,6 +199,7 @@ pub fn grounded(track: &Track, scuffs: &[Scuff]) -> Vec<HeldContact> {
 mod tests {
     use super::super::{Motion, fixture, hover::hover};
     use super::*;
+    use crate::model::scenario::{Ground, GroundKind};
 
     /// A body that stands and slides forwards by 30 mm in its second second, over the ground by `over` m.
     fn slid(over: f64) -> (crate::model::Body, Vec<crate::model::BodyPose>) {
@@ -171,5 +225,20 @@ mod tests {
             let all = hover(&spans, 2.0).total;
             assert!(if touches { (all - 1.0).abs() < 0.02 } else { all == 2.0 }, "{over}: {all} s in the air");
         }
+    }
+
+    #[test]
+    fn a_sole_that_leans_over_an_edge_touches_it_between_its_corners() {
+        let kind = GroundKind::Stairs { rise: -0.17, tread: 0.3, count: 4 };
+        let stairs = Terrain::new(&Ground { kind, ..Ground::default() });
+        // Its heel is up by 5 cm behind the edge, which is 1 m ahead, its tip as far down before it.
+        let sole = [-0.04, 0.04].map(|x| [DVec3::new(x, 0.05, 0.9), DVec3::new(x, -0.05, 1.1)]).concat();
+        assert!(sole.iter().all(|corner| height(&stairs, *corner) > TOUCHES));
+        let edges: Vec<DVec3> = over_edges(&stairs, &sole).iter().map(|edge| edge.of(&sole)).collect();
+        assert_eq!(edges.len(), 4, "along both sides and both diagonals: {edges:?}");
+        for edge in edges {
+            assert!(edge.z < 1.0 && edge.z > 0.9999 && height(&stairs, edge).abs() < 1e-4, "{edge}");
+        }
+        assert_eq!(over_edges(&Terrain::flat(), &sole), []);
     }
 }

@@ -3,6 +3,7 @@
 use super::control::Controller;
 use super::figure::Figure;
 use super::flat;
+use super::kerb;
 use crate::model::{Side, Spot, Terrain};
 use glam::{DQuat, DVec2, DVec3};
 
@@ -43,6 +44,13 @@ impl Controller {
         let (spot, ankle) = (self.stood_on(figure, terrain, side), flat(self.foot(figure, side).0));
         let slope = -flat(spot.normal) / spot.normal.y.max(0.1);
         move |at| spot.height + slope.dot(at - ankle)
+    }
+
+    /// m, the ground's height under a point (x, z) of a sole that stands on that plane: the plane's own over a gap or a lower tread.
+    pub(super) fn borne_by(&self, terrain: &Terrain, plane: &impl Fn(DVec2) -> f64, at: DVec2) -> f64 {
+        let spot = terrain.spot(at);
+        let lower = terrain.has_edges() && (!spot.holds || spot.height < plane(at) - kerb::LOWER * self.size);
+        if lower { plane(at) } else { spot.height }
     }
 }
 

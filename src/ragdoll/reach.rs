@@ -151,7 +151,7 @@ impl Controller {
             }
         }
         let over: [f64; POINTS] = std::array::from_fn(|index| {
-            let height = at[index].y - terrain.spot(flat(at[index])).height;
+            let height = at[index].y - self.borne_by(terrain, &plane, flat(at[index]));
             if index < stiff { height + lifted[index] } else { f64::INFINITY }
         });
         let low = over.iter().copied().fold(f64::INFINITY, f64::min);

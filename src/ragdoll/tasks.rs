@@ -125,10 +125,11 @@ impl Controller {
                 let tilt = short(sole.wanted * state.turn.inverse());
                 let tilt = tilt - spot.normal * tilt.dot(spot.normal);
                 // A sole that came off goes back down; one that is not as wanted turns about where it stands.
-                let corners = figure.stiff_sole(side).iter().enumerate();
+                let corners = sole.points.iter().take(figure.stiff_sole(side).len()).enumerate();
+                let plane = self.plane_under(figure, terrain, side);
                 let height = |(index, corner): (usize, &DVec3)| {
                     let at = figure.carried(&self.states, side, index, *corner);
-                    at.y - terrain.spot(flat(at)).height
+                    at.y - self.borne_by(terrain, &plane, flat(at))
                 };
                 let low = corners.map(height).fold(f64::INFINITY, f64::min);
                 let gap = low.clamp(-0.002, 0.1);

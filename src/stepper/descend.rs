@@ -13,7 +13,8 @@ use crate::model::{Side, Terrain};
 use glam::DVec2;
 
 /// m of the reference body: so far behind the edge is the ball of a foot from which the other one goes down, and so far from there it may be.
-const BRINK: [f64; 2] = [0.01, 0.03];
+/// Nearer, a foot that creeps hangs over the edge on which it turns, farther off, legs of 0.83 and 1.08 m do not reach the tread below.
+const BRINK: [f64; 2] = [0.02, 0.03];
 /// m of the reference body: behind the ball of a foot whose heel may rise the pressure is at most so far.
 const BEHIND: f64 = 0.02;
 /// m of the reference body: a foot that is farther behind comes beside the other before it goes down.
