@@ -83,7 +83,7 @@ fn between(performance: &Performance, [from, to]: [f64; 2]) -> Option<Findings> 
     let scuffs = timeline.played.as_ref().map_or(&[][..], Played::scuffs).iter();
     let scuffs: Vec<Scuff> =
         scuffs.map(|scuff| Scuff { start: scuff.start - from, end: scuff.end - from, ..*scuff }).collect();
-    let setting = Setting { terrain: &timeline.terrain, loads: &[], crouched: 0.0, scuffs: &scuffs };
+    let setting = Setting { terrain: &timeline.terrain, loads: &[], crouched: 0.0, scuffs: &scuffs, goes: false };
     let mut found = measure_in(motion, &setting, &held, &pushes)?;
     for time in [&mut found.hover.time, &mut found.residual_kept_up.1, &mut found.legs.time] {
         *time += from;

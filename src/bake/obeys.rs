@@ -39,6 +39,11 @@ impl Shirked {
     }
 }
 
+/// Is it asked to walk then (s)?
+pub fn goes_at(scenario: &Scenario, time: f64) -> bool {
+    Script::of(scenario, Vec::new()).intent(time).walk.is_some_and(|walk| walk.length() > 0.0)
+}
+
 /// What of the lanes of a scenario it never did, as far as it kept its balance.
 pub fn shirked(scenario: &Scenario, performance: &Performance) -> Option<Shirked> {
     if stroll(scenario, performance) == Stroll::Never {

@@ -61,7 +61,8 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
     let crouched = performance.trace.ticks.iter().map(|tick| tick.crouched).fold(0.0, f64::max);
     let crouched = crouched - performance.trace.ticks.first().map_or(0.0, |tick| tick.crouched);
     let scuffs = performance.timeline.played.as_ref().map_or(&[][..], Played::scuffs);
-    let setting = Setting { terrain, loads: &performance.timeline.loads, crouched, scuffs };
+    let goes = obeys::goes_at(input.scenario, input.clip.duration);
+    let setting = Setting { terrain, loads: &performance.timeline.loads, crouched, scuffs, goes };
     let mut findings = measure_in(motion, &setting, &held, &performance.pushes);
     let duration = input.clip.duration;
     let steps = performance.trace.steps.iter().filter(|step| step.land <= duration).count() as u32;

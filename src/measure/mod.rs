@@ -178,6 +178,8 @@ pub struct Track<'a> {
     pub crouched: f64,
     /// When a foot bears without holding still.
     pub scuffs: &'a [Scuff],
+    /// Whether it is asked to walk where the motion ends.
+    pub goes: bool,
     positions: Vec<DVec3>, // (samples x joints), sample-major
 }
 
@@ -193,7 +195,7 @@ impl<'a> Track<'a> {
             pose.positions_into(motion.body, &mut one);
             positions.extend_from_slice(&one);
         }
-        Some(Track { motion, terrain: None, loads: &[], crouched: 0.0, scuffs: &[], positions })
+        Some(Track { motion, terrain: None, loads: &[], crouched: 0.0, scuffs: &[], goes: false, positions })
     }
 
     /// The same over a ground that is known.
@@ -210,6 +212,11 @@ impl<'a> Track<'a> {
     /// The same of a body that means to go so much lower, m.
     pub fn crouching(self, crouched: f64) -> Track<'a> {
         Track { crouched, ..self }
+    }
+
+    /// The same that is asked to walk where it ends.
+    pub fn going(self, goes: bool) -> Track<'a> {
+        Track { goes, ..self }
     }
 
     /// The same whose feet scuff.

@@ -98,6 +98,8 @@ pub struct Setting<'a> {
     pub crouched: f64,
     /// When a foot bears without holding still.
     pub scuffs: &'a [Scuff],
+    /// Whether it is asked to walk where the motion ends.
+    pub goes: bool,
 }
 
 /// The same of a body that carries something or crouches.
@@ -108,7 +110,7 @@ pub fn measure_in(
     pushes: &[KnownPush],
 ) -> Option<Findings> {
     let track = Track::over(motion, setting.terrain)?.carrying(setting.loads).crouching(setting.crouched);
-    let track = track.scuffing(setting.scuffs);
+    let track = track.scuffing(setting.scuffs).going(setting.goes);
     Some(measure_track(&track, contacts, pushes, setting.terrain.friction))
 }
 

@@ -14,6 +14,8 @@ use glam::{DQuat, DVec2};
 const LAST: f64 = 1.0;
 /// m/s at the reference leg, the mean over that time; people's slowest walks have twice as much.
 const WALKS: f64 = 0.2;
+/// s and m/s, the same of who is asked to walk there: tread by tread down a flight he stands for a second before each step.
+const ASKED: [f64; 2] = [4.0, 0.05];
 /// rad, who turns by more in that time turns on the spot: its feet are on their way.
 const TURNS: f64 = 20.0 * std::f64::consts::PI / 180.0;
 
@@ -38,12 +40,13 @@ pub fn end_stance(track: &Track) -> Option<EndStance> {
     let motion = track.motion;
     let body = motion.body;
     let last = track.len().checked_sub(1)?;
-    let first = last.saturating_sub((LAST * motion.hz).round() as usize);
+    let [seconds, slowest] = if track.goes { ASKED } else { [LAST, WALKS] };
+    let first = last.saturating_sub((seconds * motion.hz).round() as usize);
     let span = (motion.time(last) - motion.time(first)).max(1.0 / motion.hz);
     let way = (motion.poses[last].hips - motion.poses[first].hips).with_y(0.0).length();
     let turn = wrap_angle(yaw_of(motion.poses[last].turns[0]) - yaw_of(motion.poses[first].turns[0])).abs();
     // Speeds of like bodies go by the root of the leg (Froude).
-    if way / span > WALKS * (body.leg_length / Physique::REFERENCE.leg_length).max(0.0).sqrt() || turn > TURNS {
+    if way / span > slowest * (body.leg_length / Physique::REFERENCE.leg_length).max(0.0).sqrt() || turn > TURNS {
         return None;
     }
     let (ends, starts) = (Stance::at(track, last), Stance::at(track, 0));
@@ -133,6 +136,22 @@ mod tests {
         let poses = fixture::poses(&body, 481, |pose, _| leg(pose, &body, DQuat::from_rotation_x(-0.4)));
         let found = end_stance(&Track::new(fixture::motion(&body, &poses)).expect("sound")).expect("it stands");
         assert!(found.off < 1e-9, "{found:?}");
+    }
+
+    #[test]
+    fn who_is_asked_to_walk_and_gets_on_slowly_is_in_no_stance_and_who_is_stuck_is() {
+        let body = fixture::body();
+        let goes_by = |far: f64, asked: bool| {
+            let poses = fixture::poses(&body, 601, |pose, sample| {
+                leg(pose, &body, DQuat::from_rotation_x(-0.4 * (sample / 120.0).min(1.0)));
+                pose.hips.z += far * (sample / 120.0 - 2.0).clamp(0.0, 1.0);
+            });
+            end_stance(&Track::new(fixture::motion(&body, &poses)).expect("sound").going(asked)).is_none()
+        };
+        assert_eq!(
+            [(0.3, true), (0.3, false), (0.0, true)].map(|(far, asked)| goes_by(far, asked)),
+            [true, false, false]
+        );
     }
 
     #[test]
