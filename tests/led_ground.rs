@@ -295,3 +295,28 @@ fn gaps_are_stepped_over() {
         sound(name, clip);
     }
 }
+
+#[test]
+fn gaps_of_20_cm_are_stepped_over_by_short_legs_too() {
+    let rigs = people(&[0.7, 1.0, 1.3], &["m2m_rig_human.glb", "m2m_ue_names_no_animation.glb"]);
+    let clips: Vec<(String, Baked)> = (0..20u64)
+        .into_par_iter()
+        .map(|seed| {
+            let mut draw = Seed::new(seed ^ 0x9A96);
+            let (rig, legs) = &rigs[seed as usize % rigs.len()];
+            let (apart, pace) = (draw.between(0.9 * legs, 1.5 * legs), draw.between(0.4, 0.5) * f64::sqrt(*legs));
+            let ground = format!("[ground]\nkind = \"gaps\"\nwidth = 0.2\nspacing = {apart:.3}");
+            let character = format!("[character]\nleg_scale = {legs}");
+            let text = format!("title = \"gaps\"\nduration = 20.0\n{ground}\n{character}\n{}", walk(pace));
+            (format!("{seed}: every {apart:.2} m at {pace:.2} m/s, legs {legs}"), baked(rig, &text, seed))
+        })
+        .collect();
+    let mut scores = 0.0;
+    for (name, clip) in &clips {
+        let report = &clip.report;
+        println!("{name}: {:?}, score {:.2}", report.outcome, report.plausibility.score);
+        assert_ne!(report.outcome, Outcome::Fall, "{name}");
+        scores += report.plausibility.score;
+    }
+    assert!(scores / clips.len() as f64 > 0.85, "a mean score of {:.2}", scores / clips.len() as f64);
+}
