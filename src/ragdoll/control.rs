@@ -418,16 +418,8 @@ impl Controller {
         }
         let wanted = Wanted { linear, angular, weights: [level, up, tilt, yaw] };
         let mut forces = std::mem::take(&mut self.forces);
-        let wrench = forces.solve(
-            &corners,
-            self.motion.com,
-            mass,
-            terrain.friction.clamp(0.0, 0.95),
-            &base,
-            &bias,
-            &wanted,
-            tuning.ridge,
-        );
+        let wrench =
+            forces.solve(&corners, self.motion.com, mass, terrain.friction, &base, &bias, &wanted, tuning.ridge);
         let (help_torque, help_force) = self.help(&base, &bias, &wrench, &wanted, goal, cop, GRAVITY / height);
         let root = pelvis(&base, &bias, &wrench, [help_force, help_torque]);
         self.spread(figure, &legs, &feet, &root, trunk);

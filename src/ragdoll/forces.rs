@@ -9,6 +9,9 @@ use glam::DVec3;
 
 /// Edges of a friction pyramid.
 const EDGES: usize = 4;
+/// Least and greatest friction coefficient that the law reckons with. On ice one that keeps within what there is lets the trunk go where a force
+/// would slide: of 72 drawn walks on 0.1, half of them shoved, 45 fall; with 0.3 none does. What the ground has not got slides.
+const FRICTIONS: [f64; 2] = [0.3, 0.95];
 /// Newton's steps at most, and what is left of the slope where it is found, of the largest it can be.
 const STEPS: usize = 40;
 const FOUND: f64 = 1e-12;
@@ -62,7 +65,7 @@ struct Unknown {
 }
 
 impl Forces {
-    /// The wrench about `com` that the corners can give and that serves best; `base` takes a wrench less `bias` to the
+    /// The wrench about `com` that the corners can give, as if with a friction within [`FRICTIONS`], and that serves best; `base` takes a wrench less `bias` to the
     /// pelvis's acceleration. Corners are named from tick to tick.
     #[expect(clippy::too_many_arguments, reason = "one problem, all of it")]
     pub fn solve(
@@ -77,6 +80,7 @@ impl Forces {
         ridge: f64,
     ) -> Wrench {
         let weight = mass * crate::maths::pendulum::GRAVITY;
+        let friction = friction.clamp(FRICTIONS[0], FRICTIONS[1]);
         let [side, up, level, yaw] = wanted.weights;
         let scale = [side, up, side, level, yaw, level];
         self.unknowns.clear();
