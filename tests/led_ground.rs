@@ -320,3 +320,37 @@ fn gaps_of_20_cm_are_stepped_over_by_short_legs_too() {
     }
     assert!(scores / clips.len() as f64 > 0.85, "a mean score of {:.2}", scores / clips.len() as f64);
 }
+
+#[test]
+fn ice_is_walked_on_by_every_body_and_shoves_on_it_are_stood() {
+    let files = ["m2m_rig_human.glb", "m2m_human_male.glb", "gdquest_mannequiny.glb", "vrm1_debug_robot.vrm"];
+    let people = people(&[0.7, 1.0, 1.3], &files);
+    let clips: Vec<(String, f64, Baked)> = (0..28u64)
+        .into_par_iter()
+        .map(|seed| {
+            let mut draw = Seed::new(seed ^ 0x1CE);
+            let (rig, legs) = &people[seed as usize % people.len()];
+            let (friction, pace) = (draw.between(0.1, 0.2), draw.between(0.3, 0.5) * f64::sqrt(*legs));
+            let (start, toward) = (draw.between(7.0, 13.0), draw.between(0.0, 360.0));
+            let push = format!("[[push]]\nstart = {start:.2}\nduration = 0.2\nforce = 100.0\ntoward = {toward:.0}\n");
+            let lanes = format!("{}{}", walk(pace), if seed < 14 { "" } else { &push });
+            let ground = format!("[ground]\nfriction = {friction:.3}\n[character]\nleg_scale = {legs}");
+            let text = format!("title = \"ice\"\nduration = 20.0\n{ground}\n{lanes}");
+            (format!("{seed}: {friction:.2} at {pace:.2} m/s, legs {legs}"), pace, baked(rig, &text, seed))
+        })
+        .collect();
+    for (clips, least) in [(&clips[..14], 0.9), (&clips[14..], 0.7)] {
+        let (mut scores, mut slow) = (0.0, 0);
+        for (name, pace, clip) in clips {
+            let score = clip.report.plausibility.score;
+            println!("{name}: {:?}, {:.2} m/s, score {score:.2}", clip.report.outcome, speed(clip));
+            assert_ne!(clip.report.outcome, Outcome::Fall, "{name}");
+            slow += u32::from(speed(clip) < 0.95 * pace);
+            scores += score;
+        }
+        let mean = scores / clips.len() as f64;
+        // who is shoved walks off askew on ice, and slides; goal: as who is not
+        assert!(mean > least, "a mean score of {mean:.2}");
+        assert!(slow <= 5 || least < 0.9, "{slow} of 14 are slow");
+    }
+}

@@ -128,7 +128,7 @@ fn fitted(
             let on = footing::held_on(terrain, physique, ankle, found.plant.yaw, &mut |z| floor(ankle.x, z));
             kerb::stood(terrain, physique, on, found.plant.yaw)
         } else {
-            let ankle = DVec2::new(ankle.x, onward(terrain, physique, state, &by, ankle.y));
+            let ankle = DVec2::new(ankle.x, footing::onward(terrain, physique, state.gait.velocity, &by, ankle.y));
             footing::rocked(terrain, physique, &by, ankle, (found.plant.yaw, lands))
         };
         let elsewhere = |swing: &Swing| ground(swing.to.ankle).distance(ground(there.ankle)) > ELSEWHERE * params.size;
@@ -169,16 +169,6 @@ fn fitted(
     }
     best.off = (best.off - EASY * params.size).max(0.0);
     best
-}
-
-/// m, a landing along the way of who walks straight over gaps that is not behind one that the foot which stands has crossed.
-fn onward(terrain: &Terrain, physique: &Physique, state: &State, by: &Plant, along: f64) -> f64 {
-    let goes = state.gait.velocity.y;
-    if !terrain.has_gaps() || goes.abs() < 0.9 * state.gait.velocity.length() {
-        return along;
-    }
-    let Some([from, to]) = terrain.floor(by.ankle.z + 0.5 * (physique.heel + physique.tip)) else { return along };
-    if goes > 0.0 { along.max(from - physique.heel) } else { along.min(to - physique.tip) }
 }
 
 /// The state, were the shove over now: what it will yet do is a guess, and no reason to give a walk up.

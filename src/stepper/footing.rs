@@ -24,6 +24,8 @@ pub const ROOM: f64 = 0.015;
 const BEGINS: f64 = 0.5;
 /// m, that a sole keeps from an edge.
 const EDGE: f64 = 0.01;
+/// Share of a walk's speed that is along Z where it goes straight over gaps.
+const STRAIGHT: f64 = 0.9;
 
 /// The foot set down at that place of the ground as it lies at `time`, moved along Z to where the whole sole is held.
 pub fn set_down(terrain: &Terrain, physique: &Physique, ankle: DVec2, yaw: f64, time: f64) -> Plant {
@@ -256,6 +258,15 @@ pub fn carry(terrain: &Terrain, params: &Params, physique: &Physique, state: &mu
     }
 }
 
+/// m, a landing along the way of who walks straight over gaps, at `velocity`, that is not behind one that the foot which stands has crossed.
+pub fn onward(terrain: &Terrain, physique: &Physique, velocity: DVec2, by: &Plant, along: f64) -> f64 {
+    if !terrain.has_gaps() || velocity.y.abs() < STRAIGHT * velocity.length() {
+        return along;
+    }
+    let Some([from, to]) = terrain.floor(by.ankle.z + 0.5 * (physique.heel + physique.tip)) else { return along };
+    if velocity.y > 0.0 { along.max(from - physique.heel) } else { along.min(to - physique.tip) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -296,5 +307,22 @@ mod tests {
         assert!(held.ankle.y.abs() < 1e-12 && held.normal.distance(DVec3::Y) < 1e-12);
         let back = from_ground(&held, platform.turn(1.0));
         assert!(back.ankle.distance(plant.ankle) < 1e-12 && (back.yaw - plant.yaw).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_landing_is_not_behind_a_gap_that_has_been_crossed() {
+        let gaps = terrain(GroundKind::Gaps { width: 0.2, spacing: 1.2 });
+        let physique = Physique::REFERENCE;
+        for at in [0.5, 1.9, 2.4] {
+            let by = set_down(&gaps, &physique, DVec2::new(0.1, at), 0.0, 0.0);
+            let [from, to] = gaps.floor(by.ankle.z + 0.5 * (physique.heel + physique.tip)).expect("it stands");
+            for along in [at - 1.0, at, at + 1.0] {
+                let ahead = onward(&gaps, &physique, DVec2::new(0.0, 0.4), &by, along);
+                assert!(ahead + physique.heel >= from - 1e-9 && ahead >= along, "{at}, {along}: {ahead}");
+                let back = onward(&gaps, &physique, DVec2::new(0.0, -0.4), &by, along);
+                assert!(back + physique.tip <= to + 1e-9 && back <= along, "{at}, {along}: {back}");
+                assert!(onward(&gaps, &physique, DVec2::new(0.3, 0.3), &by, along) == along, "askew");
+            }
+        }
     }
 }
