@@ -10,7 +10,7 @@ use glam::DVec3;
 /// Edges of a friction pyramid.
 const EDGES: usize = 4;
 /// Least and greatest friction coefficient that the law reckons with. On ice one that keeps within what there is lets the trunk go where a force
-/// would slide: of 72 drawn walks on 0.1, half of them shoved, 45 fall; with 0.3 none does. What the ground has not got slides.
+/// would slide: of 72 drawn walks on 0.1, half of them shoved, 45 fall; with 0.3 none does, of 20 others 2. What the ground has not got slides.
 const FRICTIONS: [f64; 2] = [0.3, 0.95];
 /// Newton's steps at most, and what is left of the slope where it is found, of the largest it can be.
 const STEPS: usize = 40;

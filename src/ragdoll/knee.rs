@@ -7,9 +7,14 @@ use crate::maths::real;
 use crate::model::Side;
 use glam::DVec3;
 
-/// Shares of its length from which on a leg that carries is unlocked and at which it is so in full: a knee at its end stays there, for no force
+/// Share of its length from which on a leg that carries is unlocked, in full at its whole length: a knee at its end stays there, for no force
 /// along the leg bends it, and the body goes on over it as over a stilt: it limps.
-const LOCKS: [f64; 2] = [0.99, 1.0];
+const LOCKS: f64 = 0.99;
+/// The same of a walk up a slope, of the leg that carries alone and of the one behind when both do: there the knee is opened faster, and a foot
+/// behind a straight leg is dragged along by centimetres before it lifts.
+const LOCKS_UPHILL: [f64; 2] = [0.98, 0.965];
+/// m per m, rises of the ground from which on a leg that carries alone is unlocked as uphill, and at which it is so in full.
+const RISES: [f64; 2] = [0.25, 0.5];
 /// rad/s², no knee is bent or stretched harder.
 const HARDEST: f64 = 300.0;
 
@@ -41,8 +46,11 @@ impl Controller {
 
     /// How much of a knee's acceleration is given by itself, 0 to 1, and the acceleration: of a leg that is almost straight.
     pub(super) fn bend(&self, figure: &Figure, side: Side) -> Option<(f64, f64)> {
-        let swing = self.swing?;
         let leg = self.leg(figure, side);
+        let Some(swing) = self.swing else {
+            let behind = self.guide.and_then(|guide| guide.heel).is_some_and(|(heel, _)| heel == side);
+            return if behind { self.unlock(figure, side, &leg) } else { None };
+        };
         if swing.side != side {
             return self.unlock(figure, side, &leg);
         }
@@ -62,17 +70,32 @@ impl Controller {
         Some((share, self.flexed(figure, side, &leg, (wanted, quicker))?))
     }
 
-    /// The same of a leg that carries in a walk on level ground, as long as the pelvis's height lets it be.
+    /// The same of a leg that carries in a walk on level ground or up a slope, as long as the pelvis's height lets it be.
     fn unlock(&self, figure: &Figure, side: Side, leg: &Reach) -> Option<(f64, f64)> {
-        let share = smooth3((leg.away / leg.whole() - LOCKS[0]) / (LOCKS[1] - LOCKS[0])) * f64::from(self.on_level());
-        if !self.guided || share <= 0.0 {
+        let (from, most) = self.unlocks(side);
+        let share = smooth3((leg.away / leg.whole() - from) / (1.0 - from)) * most;
+        if share <= 0.0 {
             return None;
         }
         let [hip, _, ankle] = figure.legs[side as usize];
         let (hip, ankle) = (self.states[hip].origin, self.states[ankle].origin);
         let lower = (self.states[0].origin.y - self.aimed).max(0.0);
-        let wanted = (hip - DVec3::Y * lower).distance(ankle).min(LOCKS[0] * leg.whole());
+        let wanted = (hip - DVec3::Y * lower).distance(ankle).min(from * leg.whole());
         Some((share, self.flexed(figure, side, leg, (wanted, 1.0))?))
+    }
+
+    /// Share of its length from which on a leg that carries is unlocked, and how far it is so at the most, 0 to 1.
+    fn unlocks(&self, side: Side) -> (f64, f64) {
+        if self.on_level() {
+            return (LOCKS, f64::from(self.guided));
+        }
+        let [alone, behind] = LOCKS_UPHILL;
+        if self.swing.is_none() {
+            return (behind, self.on_balls());
+        }
+        let normal = self.soles[side as usize].level * DVec3::Y;
+        let rise = normal.x.hypot(normal.z) / normal.y.max(0.1);
+        (alone, self.on_balls() * smooth3((rise - RISES[0]) / (RISES[1] - RISES[0])))
     }
 
     /// rad/s², the knee's acceleration towards such a length of its leg, so much quicker than usual.
