@@ -2,19 +2,22 @@
 
 use super::control::Controller;
 use super::figure::{Figure, Freedom};
+use super::flat;
 use crate::maths::curve::smooth3;
 use crate::maths::real;
 use crate::model::Side;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// Share of its length from which on a leg that carries is unlocked, in full at its whole length: a knee at its end stays there, for no force
 /// along the leg bends it, and the body goes on over it as over a stilt: it limps.
 const LOCKS: f64 = 0.99;
 /// The same of a walk up a slope, of the leg that carries alone and of the one behind when both do: there the knee is opened faster, and a foot
 /// behind a straight leg is dragged along by centimetres before it lifts.
-const LOCKS_UPHILL: [f64; 2] = [0.98, 0.965];
-/// m per m, rises of the ground from which on a leg that carries alone is unlocked as uphill, and at which it is so in full.
-const RISES: [f64; 2] = [0.25, 0.5];
+const LOCKS_UPHILL: [f64; 2] = [0.98, 0.96];
+/// m per m, rises of the ground from which on that is so, and at which it is so in full: of feet that lie flat, and of a foot that stands on its
+/// ball alone. Of 80 walks up 5 to 12 degrees on five bodies, feet are dragged over the ground 11 times in each otherwise, and not once so.
+const RISES: [f64; 2] = [0.05, 0.17];
+const RISES_ON_BALLS: [f64; 2] = [0.25, 0.5];
 /// rad/s², no knee is bent or stretched harder.
 const HARDEST: f64 = 300.0;
 
@@ -48,8 +51,7 @@ impl Controller {
     pub(super) fn bend(&self, figure: &Figure, side: Side) -> Option<(f64, f64)> {
         let leg = self.leg(figure, side);
         let Some(swing) = self.swing else {
-            let behind = self.guide.and_then(|guide| guide.heel).is_some_and(|(heel, _)| heel == side);
-            return if behind { self.unlock(figure, side, &leg) } else { None };
+            return if self.behind(figure, side) { self.unlock(figure, side, &leg) } else { None };
         };
         if swing.side != side {
             return self.unlock(figure, side, &leg);
@@ -84,18 +86,29 @@ impl Controller {
         Some((share, self.flexed(figure, side, leg, (wanted, 1.0))?))
     }
 
+    /// Does the guide leave this foot behind?
+    fn behind(&self, figure: &Figure, side: Side) -> bool {
+        let way = self.guide.map_or(DVec2::ZERO, |guide| guide.velocity);
+        let [own, other] =
+            [side, side.other()].map(|side| flat(self.states[figure.legs[side as usize][2]].origin).dot(way));
+        own < other
+    }
+
     /// Share of its length from which on a leg that carries is unlocked, and how far it is so at the most, 0 to 1.
     fn unlocks(&self, side: Side) -> (f64, f64) {
         if self.on_level() {
             return (LOCKS, f64::from(self.guided));
         }
-        let [alone, behind] = LOCKS_UPHILL;
-        if self.swing.is_none() {
-            return (behind, self.on_balls());
-        }
+        let ahead = DVec2::new(real::sin(self.heading), real::cos(self.heading));
+        let way = self.guide.map_or(DVec2::ZERO, |guide| guide.velocity).normalize_or_zero();
         let normal = self.soles[side as usize].level * DVec3::Y;
-        let rise = normal.x.hypot(normal.z) / normal.y.max(0.1);
-        (alone, self.on_balls() * smooth3((rise - RISES[0]) / (RISES[1] - RISES[0])))
+        let rise = -flat(normal).dot(way) / normal.y.max(0.1) * way.dot(ahead).max(0.0);
+        let from = |[from, to]: [f64; 2]| smooth3((rise - from) / (to - from));
+        let (lying, [alone, behind]) = (from(RISES) * (1.0 - self.on_balls()), LOCKS_UPHILL);
+        match self.swing {
+            None => (behind, lying + self.on_balls()),
+            Some(_) => (alone, lying + from(RISES_ON_BALLS) * self.on_balls()),
+        }
     }
 
     /// rad/s², the knee's acceleration towards such a length of its leg, so much quicker than usual.

@@ -137,14 +137,17 @@ impl Pilot {
 
     fn guide(&self, course: &Course) -> Guide {
         let (state, params) = (self.session.state(), self.session.params());
-        let usual = if state.climb.on { CLIMBS } else { steep::higher(params, state) };
-        let higher = if course.terrain.has_gaps() { HIGHER } else { usual };
+        let lift = match (state.climb.on, course.terrain.has_gaps()) {
+            (_, true) => params.lift_height * HIGHER,
+            (true, _) => params.lift_height * CLIMBS,
+            _ => steep::lift(params, course.physique, state),
+        };
         let swing = state.swing.map(|swing| Wish {
             side: swing.side,
             ankle: DVec2::new(swing.to.ankle.x, swing.to.ankle.z),
             yaw: swing.to.yaw - course.start[swing.side as usize].yaw,
             left: swing.land - state.time,
-            lift: params.lift_height * higher,
+            lift,
             height: follow::held_height(params, state),
         });
         let gait = &state.gait;

@@ -25,6 +25,11 @@ const ROLLED: f64 = 0.5;
 const SLOWER: f64 = 1.1;
 const HIGHER: f64 = 1.3;
 
+/// Times by how much the ground rises over what a foot is longer than that share of its leg, how much higher one goes that is not to stand on its
+/// ball: it turns up to the ground late, and long feet scrape. Of people a foot is a third of the leg.
+const TOES: f64 = 2.5;
+const LONG: f64 = 0.38;
+
 /// rad, how far the heel of such a foot rises at the end of its stance, and the share of the other foot's swing from which on it does. A heel that
 /// the ankle's range alone holds up comes down while the leg stretches: the leg is straight before the other foot has landed, carries no more and
 /// drags its foot back. Of 12 walks up 22 degrees on three rigs that nothing was tuned on the mean score is 0.70 then, 0.85 with these.
@@ -33,9 +38,13 @@ const RAISED: f64 = 0.4;
 
 /// How far feet stand on their balls, 0 to 1.
 pub fn share(params: &Params, state: &State) -> f64 {
+    if params.balls.is_some() { smooth3((climbs(state) - STEEP) / OVER) } else { 0.0 }
+}
+
+/// By how much the ground rises a metre ahead of who walks forwards.
+fn climbs(state: &State) -> f64 {
     let (way, normal) = (state.gait.velocity.normalize_or_zero(), rise::normal(state));
-    let climbs = -(normal.x * way.x + normal.z * way.y) / normal.y.max(0.1);
-    if params.balls.is_some() { smooth3((climbs * state.ahead.dot(way) - STEEP) / OVER) } else { 0.0 }
+    -(normal.x * way.x + normal.z * way.y) / normal.y.max(0.1) * state.ahead.dot(way)
 }
 
 /// Times the usual, how long a step takes.
@@ -43,9 +52,12 @@ pub fn slower(params: &Params, state: &State) -> f64 {
     1.0 + (SLOWER - 1.0) * share(params, state)
 }
 
-/// Times the usual, how high feet go.
-pub fn higher(params: &Params, state: &State) -> f64 {
-    1.0 + (HIGHER - 1.0) * share(params, state)
+/// m, how high feet go.
+pub fn lift(params: &Params, physique: &Physique, state: &State) -> f64 {
+    let share = share(params, state);
+    let long = (physique.tip - physique.heel - LONG * physique.leg_length).max(0.0);
+    let toes = TOES * long * climbs(state).max(0.0);
+    params.lift_height * (1.0 + (HIGHER - 1.0) * share) + toes * (1.0 - share)
 }
 
 /// The foot whose heel is to rise now, and how far, rad.
