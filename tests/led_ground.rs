@@ -94,6 +94,34 @@ fn slopes_are_walked_up_and_down_by_every_body() {
 }
 
 #[test]
+fn who_walks_up_a_gentle_slope_drags_no_foot_over_it() {
+    let files = ["m2m_rig_human.glb", "m2m_human_male.glb", "gdquest_mannequiny.glb", "khronos_CesiumMan.gltf"];
+    let people = people(&[1.0, 0.7, 1.3], &files);
+    let clips: Vec<(String, f64, Baked)> = (0..28u64)
+        .into_par_iter()
+        .map(|seed| {
+            let mut draw = Seed::new(seed ^ 0x6E27);
+            let (rig, legs) = &people[seed as usize % people.len()];
+            let (degrees, pace) = (draw.between(3.0, 12.0), draw.between(0.35, 0.5) * f64::sqrt(*legs));
+            let text = slope(degrees, &format!("[character]\nleg_scale = {legs}\n{}", walk(pace)));
+            (format!("{seed}: {degrees:.1} degrees at {pace:.2} m/s, legs {legs}"), *legs, baked(rig, &text, seed))
+        })
+        .collect();
+    let mut drags = 0;
+    for (name, legs, clip) in &clips {
+        let score = &clip.report.plausibility;
+        println!("{name}: score {:.3}, drags a foot by {:.0} mm", score.score, score.scuff_max_mm);
+        assert!(score.score >= 0.93, "{name}: {:.3}", score.score);
+        // mm at the reference leg: what viewers notice (Prazak 2011).
+        drags += u32::from(score.scuff_max_mm > 21.0 * legs);
+    }
+    let mean = clips.iter().map(|clip| clip.2.report.plausibility.score).sum::<f64>() / clips.len() as f64;
+    println!("mean score {mean:.3}, {drags} drag a foot");
+    // goal: none
+    assert!(drags <= 2 && mean >= 0.98, "{mean:.3}, {drags} drag a foot");
+}
+
+#[test]
 fn steep_slopes_are_walked_up_on_the_balls_of_the_feet() {
     let people = people(&[1.0, 0.7, 1.3], &["m2m_rig_human.glb", "m2m_human_male.glb"]);
     let clips: Vec<(String, f64, f64, Baked)> = (0..32u64)
@@ -115,7 +143,7 @@ fn steep_slopes_are_walked_up_on_the_balls_of_the_feet() {
         println!("{name}: {:?}, {:.2} m/s, score {score:.2}", clip.report.outcome, speed(clip));
     }
     // goal: each of them 0.85
-    for (clips, least) in [(&clips[..20], 0.85), (&clips[20..], 0.8)] {
+    for (clips, least) in [(&clips[..20], 0.88), (&clips[20..], 0.83)] {
         let mean = clips.iter().map(|clip| clip.3.report.plausibility.score).sum::<f64>() / clips.len() as f64;
         println!("mean score {mean:.3}");
         assert!(mean >= least, "{mean:.3}");

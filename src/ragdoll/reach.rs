@@ -125,8 +125,7 @@ impl Controller {
         let level = DQuat::from_rotation_arc(state.turn * DVec3::Y, normal) * state.turn;
         // Feet that are long for their legs are stood on flat: the way over their tips is too far.
         let corners = self.drawn_in(figure, terrain, side);
-        let [heel, .., tip, _] = figure.soles[side as usize];
-        let long = (heel.distance(tip) / figure.leg_length - LONG[0]) / (LONG[1] - LONG[0]);
+        let long = (figure.sole_share(side) - LONG[0]) / (LONG[1] - LONG[0]);
         let margin = self.tuning.margin[0] - leaning(terrain) - BROAD * long.clamp(0.0, 1.0);
         let heel = self.guide.and_then(|guide| guide.heel).filter(|(foot, pitch)| *foot == side && *pitch > 0.0);
         let raised = heel.map_or(level, |(_, pitch)| {

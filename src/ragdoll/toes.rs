@@ -152,6 +152,12 @@ impl Figure {
         self.toes.iter().all(Option::is_some).then_some(left.min(right))
     }
 
+    /// How long a sole is, as a share of the leg's length. People's are 0.3 to 0.36.
+    pub(super) fn sole_share(&self, side: Side) -> f64 {
+        let [heel, .., tip, _] = self.soles[side as usize];
+        heel.distance(tip) / self.leg_length
+    }
+
     /// The link that what presses on a link counts for: toes are part of their foot.
     pub(super) fn bears(&self, link: usize) -> usize {
         match (self.links[link].part, self.links[link].parent) {
