@@ -24,10 +24,12 @@ const SPRING: [f64; 2] = [25.0, 2.0];
 /// The toes' share of the foot's mass, of their share of its length: 0.22 of 1.57 kg over a quarter of the length (Delp et al. 1990, as
 /// gait2392 of OpenSim has it).
 const THIN: f64 = 0.55;
-/// Shares of the sole's length: from the heel to the toe joint at least, and from there to the tip. People's is at 0.7; a foot that has it in
-/// its middle, as boots of toy figures do, does not roll over its ball.
-const BEHIND: f64 = 0.6;
+/// Shares of the sole's length: from the heel to the toe joint at least, of a foot and of one that is `LONG` for its leg, and from there to the
+/// tip. People's is at 0.7, that of shod figures at 0.5 to 0.6; boots as long as their leg, as toy figures have them, do not roll over it.
+const BEHIND: [f64; 2] = [0.5, 0.6];
 const AHEAD: f64 = 0.08;
+/// Share of the leg's length. People's soles are 0.3 to 0.36.
+const LONG: f64 = 0.55;
 /// Share of the ankle's height: higher over the sole than that there is no toe joint. It is at 0.15 to 0.33 on rigs with feet; about a
 /// hinge as high as 0.7 of it, which a foot without a mesh had, the sole's two parts come apart as it bends, and one goes 5 cm into the ground.
 const HIGH: f64 = 0.5;
@@ -70,7 +72,8 @@ pub(super) fn bend(body: &Body, positions: &[DVec3], turns: &[DQuat], side: Side
     let span = [shape.heel, at.dot(ahead), shape.foremost()];
     let (aside, over) = (at.dot(DVec3::Y.cross(ahead)), at.y + shape.ankle_height);
     let long = span[2] - span[0];
-    let along = span[1] > span[0] + BEHIND * long && span[2] > span[1] + AHEAD * long;
+    let behind = BEHIND[usize::from(long > LONG * body.leg_length)];
+    let along = span[1] > span[0] + behind * long && span[2] > span[1] + AHEAD * long;
     let within = aside.abs() < shape.half_width && (0.0..HIGH * shape.ankle_height).contains(&over);
     let axis = ahead.cross(DVec3::Y);
     let freedom = Freedom::Hinge { axis, range: RANGE };
