@@ -82,6 +82,8 @@ mod led_crouch;
 mod led_ground;
 /// Turns on the spot by both drives, and deep crouches.
 mod led_lanes;
+/// The articulated body in shoes: toe joints at half the foot's length, and feet that are long for their legs.
+mod led_shod;
 /// The articulated body walking over kerbs and on stairs.
 mod led_stairs;
 /// The articulated body walking on level ground: steps alike, and shoves of the paper's range.

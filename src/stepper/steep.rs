@@ -29,6 +29,8 @@ const HIGHER: f64 = 1.3;
 /// ball: it turns up to the ground late, and long feet scrape. Of people a foot is a third of the leg.
 const TOES: f64 = 2.5;
 const LONG: f64 = 0.38;
+/// Times that length, how much higher one goes ahead that bends at its toes, on any ground: they hang down when it leaves.
+const DRAGS: f64 = 0.5;
 
 /// rad, how far the heel of such a foot rises at the end of its stance, and the share of the other foot's swing from which on it does. A heel that
 /// the ankle's range alone holds up comes down while the leg stretches: the leg is straight before the other foot has landed, carries no more and
@@ -56,7 +58,9 @@ pub fn slower(params: &Params, state: &State) -> f64 {
 pub fn lift(params: &Params, physique: &Physique, state: &State) -> f64 {
     let share = share(params, state);
     let long = (physique.tip - physique.heel - LONG * physique.leg_length).max(0.0);
-    let toes = TOES * long * climbs(state).max(0.0);
+    let ahead = state.gait.velocity.normalize_or_zero().dot(state.ahead).max(0.0);
+    let drags = if params.balls.is_some() { DRAGS * ahead } else { 0.0 };
+    let toes = (drags + TOES * climbs(state).max(0.0)) * long;
     params.lift_height * (1.0 + (HIGHER - 1.0) * share) + toes * (1.0 - share)
 }
 
@@ -143,5 +147,20 @@ mod tests {
         let (params, mut state) = walking(8.0, 0.0, Some(0.13));
         state.gait.phase = Phase::Double;
         assert_eq!(heel(&params, &state), None);
+    }
+
+    #[test]
+    fn feet_that_are_long_for_their_legs_go_higher_and_uphill_more_so() {
+        let usual = Physique::REFERENCE;
+        let long = Physique { tip: usual.tip + 0.15, ..usual };
+        let lifts = |physique: &Physique, degrees: f64, heading: f64, balls: Option<f64>| {
+            let (params, state) = walking(degrees, heading, balls);
+            lift(&params, physique, &state) - params.lift_height
+        };
+        assert_eq!(lifts(&usual, 10.0, 0.0, Some(0.13)), 0.0);
+        let [level, uphill] = [0.0, 10.0].map(|degrees| lifts(&long, degrees, 0.0, Some(0.13)));
+        assert!(0.02 < level && level + 0.02 < uphill && uphill < 0.15, "{level} {uphill}");
+        assert_eq!(lifts(&long, 0.0, 0.0, None), 0.0, "a foot that does not bend has no toes that hang down");
+        assert!(lifts(&long, 0.0, 1.57, Some(0.13)) < 1e-4, "nor does one that goes aside");
     }
 }
