@@ -29,7 +29,7 @@ pub(super) fn unfit(scenario: &Scenario, body: &Body) -> Option<&'static str> {
     let stairs = matches!(scenario.ground.kind, GroundKind::Stairs { rise, count, .. } if climbed(rise, count));
     let walks = scenario.walk.iter().any(|walk| walk.speed > 0.0);
     let bends = || Figure::new(body, &BodyPose::rest(body), Locks::default()).balls_ahead().is_some();
-    (stairs && walks && !bends()).then_some("[[walk]] on stairs on feet without toe joints")
+    (stairs && walks && !bends()).then_some("[[walk]] on stairs on feet that do not bend at their toes")
 }
 
 /// Are they more than feet that do not bend can go: down, unless it is one low step, or up by more than 0.1 m a step?
