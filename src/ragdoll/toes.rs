@@ -29,7 +29,7 @@ const THIN: f64 = 0.55;
 const BEHIND: [f64; 2] = [0.5, 0.6];
 const AHEAD: f64 = 0.08;
 /// Share of the leg's length. People's soles are 0.3 to 0.36.
-const LONG: f64 = 0.55;
+const LONG: f64 = 0.5;
 /// Share of the ankle's height: higher over the sole than that there is no toe joint. It is at 0.15 to 0.33 on rigs with feet; about a
 /// hinge as high as 0.7 of it, which a foot without a mesh had, the sole's two parts come apart as it bends, and one goes 5 cm into the ground.
 const HIGH: f64 = 0.5;

@@ -28,7 +28,7 @@ const HIGHER: f64 = 1.3;
 /// Times by how much the ground rises over what a foot is longer than that share of its leg, how much higher one goes that is not to stand on its
 /// ball: it turns up to the ground late, and long feet scrape. Of people a foot is a third of the leg.
 const TOES: f64 = 2.5;
-const LONG: f64 = 0.38;
+const LONG: [f64; 2] = [0.38, 0.47];
 /// Times that length, how much higher one goes ahead that bends at its toes, on any ground: they hang down when it leaves.
 const DRAGS: f64 = 0.5;
 
@@ -57,7 +57,8 @@ pub fn slower(params: &Params, state: &State) -> f64 {
 /// m, how high feet go.
 pub fn lift(params: &Params, physique: &Physique, state: &State) -> f64 {
     let share = share(params, state);
-    let long = (physique.tip - physique.heel - LONG * physique.leg_length).max(0.0);
+    let long = (physique.tip - physique.heel).clamp(LONG[0] * physique.leg_length, LONG[1] * physique.leg_length)
+        - LONG[0] * physique.leg_length;
     let ahead = state.gait.velocity.normalize_or_zero().dot(state.ahead).max(0.0);
     let drags = if params.balls.is_some() { DRAGS * ahead } else { 0.0 };
     let toes = (drags + TOES * climbs(state).max(0.0)) * long;
