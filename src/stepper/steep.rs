@@ -25,10 +25,11 @@ const ROLLED: f64 = 0.5;
 const SLOWER: f64 = 1.1;
 const HIGHER: f64 = 1.3;
 
-/// Times by how much the ground rises over what a foot is longer than that share of its leg, how much higher one goes that is not to stand on its
-/// ball: it turns up to the ground late, and long feet scrape. Of people a foot is a third of the leg.
-const TOES: f64 = 2.5;
+/// Shares of the leg's length from which on a foot is long, and up to which its length counts. People's is a third.
 const LONG: [f64; 2] = [0.38, 0.47];
+/// Times by how much the ground rises over the length by which a foot is longer, how much higher one goes that is not to stand on its ball: it turns
+/// up to the ground late, and long feet scrape.
+const TOES: f64 = 2.5;
 /// Times that length, how much higher one goes ahead that bends at its toes, on any ground: they hang down when it leaves.
 const DRAGS: f64 = 0.5;
 
@@ -57,8 +58,8 @@ pub fn slower(params: &Params, state: &State) -> f64 {
 /// m, how high feet go.
 pub fn lift(params: &Params, physique: &Physique, state: &State) -> f64 {
     let share = share(params, state);
-    let long = (physique.tip - physique.heel).clamp(LONG[0] * physique.leg_length, LONG[1] * physique.leg_length)
-        - LONG[0] * physique.leg_length;
+    let [least, most] = LONG.map(|share| share * physique.leg_length);
+    let long = (physique.tip - physique.heel).clamp(least, most) - least;
     let ahead = state.gait.velocity.normalize_or_zero().dot(state.ahead).max(0.0);
     let drags = if params.balls.is_some() { DRAGS * ahead } else { 0.0 };
     let toes = (drags + TOES * climbs(state).max(0.0)) * long;
