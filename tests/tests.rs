@@ -79,6 +79,7 @@ mod led_anywhere;
 /// The articulated body crouched: walks, and crouches in the midst of other lanes.
 mod led_crouch;
 /// The articulated body walking, turning and on one foot on slopes, gaps and uneven ground, shoved.
+mod led_ends;
 mod led_ground;
 /// Turns on the spot by both drives, and deep crouches.
 mod led_lanes;

@@ -3,8 +3,10 @@
 
 use super::control::wrap;
 use super::gait::{self, Rhythm};
-use super::{Params, Physique, Plant, State, Swing, ascend, footing, ground, kerb, pace, support, swing, turn, walk};
-use crate::maths::{pendulum, real};
+use super::{
+    Params, Physique, Plant, State, Swing, ascend, footing, ground, halt, kerb, learned, pace, support, swing, turn,
+    walk,
+};
 use crate::model::{Side, Terrain};
 use glam::{DVec2, DVec3};
 
@@ -230,7 +232,7 @@ pub fn touchdown(
             (com, velocity) = gait::carried(com, velocity, [late; 2], omega, time - runs);
         }
     }
-    let short = if state.shoved < walk::SHAKEN * params.tempo { 0.0 } else { state.gait.short };
+    let short = if state.shoved < walk::SHAKEN * params.tempo { 0.0 } else { state.gait.learned.short };
     let way = state.gait.velocity.normalize_or(state.ahead);
     (com, velocity - way * (short * omega))
 }
@@ -307,16 +309,7 @@ fn landing(
     let ahead = turn::rotated(state.ahead, amid);
     let out = DVec2::new(ahead.y, -ahead.x) * side.sign();
     let wanted = if gait.last {
-        let distance = pendulum::step_distance(velocity.length(), 0.0, height(state), gait.rise); // equation 2
-        let stop = com + velocity.normalize_or_zero() * distance;
-        // while the weight comes over from the rear foot, the fall goes on
-        let late = rear + support::forward(stance.yaw) * rhythm.roll[1];
-        let stop = stop + (stop - late) * (params.transfer / (1.0 - params.transfer));
-        let ankle = stop + out * (0.5 * params.width) - ahead * params.com_forward;
-        let past = (ankle - rear).dot(ahead);
-        let going = velocity.dot(ahead).signum();
-        let near = past * going < 0.05 * params.size && past * going > -0.12 * params.size;
-        if near { ankle - ahead * past } else { ankle }
+        halt::landing(params, state, (rear, stance.yaw), (com, velocity), (ahead, out), (height(state), rhythm.roll[1]))
     } else {
         let step = pivot(params, physique, state, rhythm, side, wait + time);
         let way = turn::rotated(gait.velocity, amid).normalize_or(ahead);
@@ -326,8 +319,14 @@ fn landing(
         let (height, rise) =
             if level { (state.height().max(0.1), 0.0) } else { (height(state).max(0.1 + gait.rise), gait.rise) };
         let pendulum = (walk::omega(params, physique), height, rise);
-        let ankle = evened(params, state, (rear, step.landing(rear, (com, velocity), pendulum, way)), step.stride, way);
-        ankle - out * gait.nearer
+        let ankle = learned::evened(
+            params,
+            state,
+            (rear, step.landing(rear, (com, velocity), pendulum, way)),
+            step.stride,
+            way,
+        );
+        ankle - out * learned::nearer(params, state)
     };
     if gait.spot {
         let (ideal, yaw) = turn::around(params, physique, state, side);
@@ -350,77 +349,6 @@ fn landing(
     let plant = Plant::level(DVec3::new(ankle.x, 0.0, ankle.y), yaw);
     let plant = footing::apart(physique, stance, &plant, side, footing::ROOM * params.size);
     Footfall { plant, off, wait, time }
-}
-
-/// What a landing counts for the mean of the last ones.
-pub(super) const REMEMBERS: f64 = 0.25;
-/// m at legs of 0.83 m, at most so much of what makes a step unlike the last ones is taken for unevenness: more is a shove's.
-const UNEVEN: f64 = 0.1;
-
-/// The landing, with less of what makes its step unlike the last ones: what a body does of a plan comes late, and steps that each make up
-/// for the one before in full turn long and short by turns.
-fn evened(params: &Params, state: &State, (rear, ankle): (DVec2, DVec2), stride: DVec2, way: DVec2) -> DVec2 {
-    let most = UNEVEN * params.size;
-    let unlike = (ankle - rear - stride).dot(way) - state.gait.longer;
-    ankle - way * (unlike.clamp(-most, most) * (1.0 - params.even))
-}
-
-/// m at legs of 0.83 m, so much wider than planned steps may be, and at most so much nearer to ξ feet land for it. As narrow as planned
-/// they leave the zero-moment point 2 cm outside them at 1.2 m/s.
-const BROADER: f64 = 0.02;
-const NEARER: f64 = 0.04;
-/// m/s at legs of 0.83 m, slower walks keep their feet as wide as they find them.
-const UNHURRIED: f64 = 0.4;
-
-/// How much nearer to ξ feet are to land, m, after a step of `side` has landed `apart` (m, x and z) from the other foot, less the way that was
-/// gone in it. In a steady gait a foot that lands d m beside ξ is
-/// d (1 + e^ωT) m beside the other one, so what steps are wider than planned is taken off that d. A body's feet come down before ξ is where
-/// it was foreseen: without this its steps are wider by 0.1 m, and after a shove by 0.3 m for good.
-pub(super) fn nearer(
-    params: &Params,
-    physique: &Physique,
-    state: &State,
-    rhythm: &Rhythm,
-    (side, apart): (Side, DVec2),
-) -> f64 {
-    let gait = &state.gait;
-    let slow = gait.velocity.length() < UNHURRIED * params.size / params.tempo;
-    if params.even >= 1.0 || !params.rolls || slow || gait.longest.is_finite() {
-        return 0.0;
-    }
-    let beside = apart.dot(state.aside()) * side.sign();
-    let grows = 1.0 + real::exp(walk::omega(params, physique) * rhythm.step);
-    let (most, bound) = (UNEVEN * params.size, NEARER * params.size);
-    let wider = (beside - rhythm.width - BROADER * params.size).clamp(-most, most);
-    (state.gait.nearer + REMEMBERS * wider / grows).clamp(0.0, bound)
-}
-
-/// m/s at legs of 0.83 m, what is asked of the plan, from which on and from which on in full it is learned how far ξ falls short at landings;
-/// m there, the most of it. From 1.5 on short legs drag their toes at 1.33 m/s; from 0.7 on, of 256 walks of 1.2 m/s 13 fall of the shoves of
-/// which 8 do otherwise; with 0.09 m two of 40 drawn walks of 1.5 to 1.8 m/s fall.
-const SHORT: [f64; 2] = [1.6, 1.8];
-const SHORTEST: f64 = 0.06;
-
-/// m, along the way, by how much ξ fell short at the last landings, of `side` now: feet come down early and take speed. Where ξ is foreseen
-/// farther ahead than it gets, feet land too far ahead of it, and each step brakes: without this walks of 1.58 m/s are 6 to 7 % too slow.
-pub(super) fn short(
-    params: &Params,
-    physique: &Physique,
-    state: &State,
-    rhythm: &Rhythm,
-    (side, [stands, landed]): (Side, [DVec2; 2]),
-    way: DVec2,
-) -> f64 {
-    let gait = &state.gait;
-    if params.even >= 1.0 || !params.rolls || gait.longest.is_finite() {
-        return 0.0;
-    }
-    let pace = gait.velocity.length() * params.tempo / params.size;
-    let share = ((pace - SHORT[0]) / (SHORT[1] - SHORT[0])).clamp(0.0, 1.0);
-    let suits = pivot(params, physique, state, rhythm, side, 0.0).xi_for(stands, landed);
-    let most = UNEVEN * params.size;
-    let lacks = (suits - state.xi()).dot(way).clamp(-most, most);
-    (gait.short + REMEMBERS * lacks).clamp(0.0, SHORTEST * params.size * share)
 }
 
 /// The nearest landing that legs can do in `fly` s: on the foot's own side, or across in front of the other one

@@ -83,7 +83,8 @@ fn feedback(
         let off = xi - middle - state.ahead * params.com_forward;
         let way = ground(state.velocity).normalize_or_zero();
         let (aside, behind) = (off.dot(state.aside()), off.dot(state.ahead) * way.dot(state.ahead).signum());
-        error = state.aside() * aside + state.ahead * (behind.min(0.0) * way.dot(state.ahead).signum());
+        let behind = if gait.closes { behind } else { behind.min(0.0) };
+        error = state.aside() * aside + state.ahead * (behind * way.dot(state.ahead).signum());
     }
     let gain = params.walk_gain * (1.0 - SPARED * push_off::strides(params, physique, state));
     error * (gain / (real::exp(omega * (wait + time).max(0.2 * params.tempo)) - 1.0))

@@ -1,15 +1,16 @@
 //! Walking: the commanded velocity, ramped; the phases of the gait; the pressure's way; the landing of each step.
 //!
-//! Start (the weight goes over the stance foot) -> single -> double -> single ... -> the last step stops by the paper's
-//! formula with no speed left, and `decide` brings the feet together. What the gait cannot hold, `decide` catches with a
-//! corrective step; then the gait goes on. Scenario space, SI units.
+//! Start (the weight goes over the stance foot) -> single -> double -> single ... -> the last step (`halt`), after which `decide`
+//! brings the feet together. What the gait cannot hold, `decide` catches with a corrective step; then the gait goes on. Scenario
+//! space, SI units.
 
 use super::gait::{self, Rhythm};
-use super::pace::{self, Pace};
+use super::learned::Learned;
+use super::pace::Pace;
 use super::support::{Support, Tread};
 use super::{
-    Inputs, Params, Physique, State, StepKind, Swing, footfall, footing, grip, ground, kerb, mesh, push_off, rise,
-    roll, steep, swing, turn,
+    Inputs, Params, Physique, State, StepKind, Swing, footfall, footing, grip, ground, halt, kerb, learned, mesh,
+    push_off, rise, roll, steep, swing, turn,
 };
 use super::{Passing, balance};
 use crate::maths::pendulum::{self, GRAVITY};
@@ -62,6 +63,8 @@ pub struct Gait {
     pub spot: bool,
     /// This step is the last one.
     pub last: bool,
+    /// The last one, in which a foot is set beside the other.
+    pub closes: bool,
     /// m, the longest step that the ground allows.
     pub longest: f64,
     /// m, the longest step that friction allows.
@@ -70,12 +73,8 @@ pub struct Gait {
     pub rise: f64,
     /// The same a metre of the way, as the last step found it.
     pub grade: f64,
-    /// m, by how much steps are longer than planned, in the mean of the last ones.
-    pub longer: f64,
-    /// m, how much nearer to ξ feet are to land for steps to be as wide as planned, as the last ones were found.
-    pub nearer: f64,
-    /// m, along the way, by how much ξ falls short at landings of where it is foreseen.
-    pub short: f64,
+    /// What its steps have taught.
+    pub learned: Learned,
     /// Does what a mesh has in the way leave nowhere to go? It stands then.
     pub barred: bool,
     /// Is a mesh's ground by the next foothold such that a sole does not lie on it everywhere?
@@ -107,13 +106,12 @@ impl Gait {
             turning: false,
             spot: false,
             last: false,
+            closes: false,
             longest: f64::INFINITY,
             grip: f64::INFINITY,
             rise: 0.0,
             grade: 0.0,
-            longer: 0.0,
-            nearer: 0.0,
-            short: 0.0,
+            learned: Learned::default(),
             barred: false,
             broken: false,
             timed: false,
@@ -322,8 +320,8 @@ fn begin(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut St
 }
 
 fn enter(state: &mut State, phase: Phase, side: Side, time: f64) {
-    state.gait =
-        Gait { phase, side, since: state.time, until: state.time + time, from: state.cop, last: false, ..state.gait };
+    let (since, until, from) = (state.time, state.time + time, state.cop);
+    state.gait = Gait { phase, side, since, until, from, last: false, closes: false, ..state.gait };
 }
 
 /// m a metre, up or down: on steeper ground, and in turns on the spot, slow steps are no slower than others.
@@ -380,13 +378,17 @@ fn lift(
     (single, dt): (f64, f64),
 ) -> Side {
     let side = state.gait.side;
+    let halts = !state.gait.spot && !goes(params, state, inputs);
+    let closes = halts && halt::closes(params, physique, state, side);
+    let single = if closes { halt::time(params, single) } else { single };
     let ticks = (single / dt).round().max(2.0);
     let land = state.time + ticks * dt;
     let slow = (state.gait.velocity.length() - params.ramp * ticks * dt) < 0.2 * params.size / params.tempo;
     let slow = slow && state.velocity.length() < 0.68 * params.size / params.tempo;
-    let last = if state.gait.spot { turn::closes(physique, state, side) } else { slow && !goes(params, state, inputs) };
+    let stops = closes || halts && slow && !halt::able(params, state);
+    let last = if state.gait.spot { turn::closes(physique, state, side) } else { stops };
     enter(state, Phase::Single, side, ticks * dt);
-    state.gait.last = last;
+    (state.gait.last, state.gait.closes) = (last, closes);
     let to = footfall::plan(params, physique, terrain, state, side, (0.0, ticks * dt), (0.0, ticks * dt)).plant;
     let aim = ground(to.ankle);
     let beside = state.feet[side.other() as usize];
@@ -418,13 +420,7 @@ pub fn landed(params: &Params, physique: &Physique, state: &mut State, side: Sid
         return;
     }
     let rhythm = rhythm_now(params, physique, state);
-    let [stands, landed] = [side.other(), side].map(|side| ground(state.feet[side as usize].ankle));
-    let way = state.gait.velocity.normalize_or(state.ahead);
-    let apart = landed - stands - pace::aimed(state) * rhythm.step;
-    let longer = apart.dot(way);
-    state.gait.longer += footfall::REMEMBERS * (longer - state.gait.longer);
-    state.gait.nearer = footfall::nearer(params, physique, state, &rhythm, (side, apart));
-    state.gait.short = footfall::short(params, physique, state, &rhythm, (side, [stands, landed]), way);
+    state.gait.learned = learned::landed(params, physique, state, side);
     enter(state, Phase::Double, side.other(), rhythm.double);
     if !params.rolls {
         state.cop = roll::contact(params, state, side);
