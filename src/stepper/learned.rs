@@ -9,8 +9,10 @@ use crate::maths::real;
 use crate::model::Side;
 use glam::DVec2;
 
-/// What a landing counts for the mean of the last ones.
+/// What a landing counts for the mean of the last ones, and for how much nearer feet land: with 0.25 there too, 21 of 288 drawn walks are too wide
+/// for good after a shove aside, not 7; with 0.55 one is, and more of them halt.
 const REMEMBERS: f64 = 0.25;
+const NARROWS: f64 = 0.4;
 /// m at legs of 0.83 m, at most so much of what makes a step unlike the last ones is taken for unevenness: more is a shove's.
 const UNEVEN: f64 = 0.1;
 
@@ -106,7 +108,7 @@ fn narrowed(
     let grows = 1.0 + real::exp(walk::omega(params, physique) * rhythm.step);
     let (most, bound) = (UNEVEN * params.size, NEARER * params.size);
     let wider = (beside - rhythm.width - BROADER * params.size).clamp(-most, most);
-    Some((nearer(params, state) + REMEMBERS * wider / grows).clamp(0.0, bound))
+    Some((nearer(params, state) + NARROWS * wider / grows).clamp(0.0, bound))
 }
 
 /// m, along the way, by how much ξ fell short at the last landings, of `side` now: feet come down early and take speed. Where ξ is foreseen
