@@ -363,6 +363,12 @@ impl Controller {
         self.swing.is_some() && !self.guided || self.shifting.is_some()
     }
 
+    /// Has it only just begun a step against a fall, in the last tick of `dt` s?
+    pub fn steps_off(&self, dt: f64) -> bool {
+        let begun = |swing: Swing| !swing.comfort && !self.guided && self.time - swing.start < 1.5 * dt;
+        self.shifting.is_none() && self.swing.is_some_and(begun)
+    }
+
     /// rad, where it faces from now on when nothing disturbs it.
     pub fn look(&mut self, heading: f64) {
         let turned = wrap_angle(heading - self.facing);
