@@ -92,7 +92,7 @@ impl Pilot {
         };
         let leans = !course.terrain.is_flat();
         let shaken = leans && !self.led && !walking && control.at_ease() < AT_EASE * control.tempo();
-        if busy && !self.goes_on(control, inputs) || shaken {
+        if busy && !self.goes_on(course, control, inputs) || shaken {
             return self.stand_by(control, &measured);
         }
         let inputs = self.made_up(inputs, control);
@@ -110,11 +110,11 @@ impl Pilot {
     }
 
     /// May the plan lead on from where a step against a fall would begin now? The law's own steps, that keep some of who walks' speed, can go
-    /// on and on: of 260 walks of base clips that were shoved four went on so to the end of the clip.
-    fn goes_on(&self, control: &Controller, inputs: &Inputs) -> bool {
+    /// on and on: of 260 walks of base clips that were shoved four went on so to the end of the clip. Not on treads, whose edges the law's steps keep from.
+    fn goes_on(&self, course: &Course, control: &Controller, inputs: &Inputs) -> bool {
         let calm = self.session.state().shoved > CALM * control.tempo();
         let goes = inputs.walk.is_some_and(|walk| walk != DVec2::ZERO);
-        calm && goes && control.steps_off(self.session.dt())
+        calm && goes && !course.terrain.has_treads() && control.steps_off(self.session.dt())
     }
 
     /// The law is at work: the plan waits.
