@@ -94,6 +94,31 @@ fn slopes_are_walked_up_and_down_by_every_body() {
 }
 
 #[test]
+fn who_is_asked_to_walk_down_faster_than_he_can_goes_slower_and_keeps_his_feet() {
+    let people = people(&[1.0, 0.7, 1.3], &["m2m_rig_human.glb", "m2m_human_male.glb"]);
+    let clips: Vec<(String, Baked)> = (0..20u64)
+        .into_par_iter()
+        .map(|seed| {
+            let mut draw = Seed::new(seed ^ 0xD0B4);
+            let (rig, legs) = &people[seed as usize % people.len()];
+            let (degrees, pace) = (draw.between(-25.0, -6.0), draw.between(0.8, 1.6) * f64::sqrt(*legs));
+            let text = slope(degrees, &format!("[character]\nleg_scale = {legs}\n{}", walk(pace)));
+            (format!("{seed}: {degrees:.1} degrees at {pace:.2} m/s, legs {legs}"), baked(rig, &text, seed))
+        })
+        .collect();
+    let mut sum = 0.0;
+    for (name, clip) in &clips {
+        let report = &clip.report;
+        println!("{name}: {:?}, {:.2} m/s, score {:.2}", report.outcome, speed(clip), report.plausibility.score);
+        assert_ne!(report.outcome, Outcome::Fall, "{name}");
+        sum += report.plausibility.score;
+    }
+    let mean = sum / clips.len() as f64;
+    println!("mean score {mean:.3}");
+    assert!(mean >= 0.9, "{mean:.3}");
+}
+
+#[test]
 fn who_walks_up_a_gentle_slope_drags_no_foot_over_it() {
     let files = ["m2m_rig_human.glb", "m2m_human_male.glb", "gdquest_mannequiny.glb", "khronos_CesiumMan.gltf"];
     let people = people(&[1.0, 0.7, 1.3], &files);

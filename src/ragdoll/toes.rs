@@ -149,6 +149,14 @@ impl Figure {
         0.5 * (left + right)
     }
 
+    /// The axis about which a foot's heel rises, in its frame, pointing to the left: its toes' hinge, and across it where it has none.
+    pub(super) fn heel_axis(&self, side: Side) -> DVec3 {
+        match self.toes[side as usize].map(|toes| self.links[toes].freedom) {
+            Some(Freedom::Hinge { axis, .. }) => axis * axis.x.signum(),
+            _ => DVec3::X,
+        }
+    }
+
     /// m, how far ahead of the ankles balls are, of the foot of which it is less; none where a foot does not bend.
     pub fn balls_ahead(&self) -> Option<f64> {
         let [left, right] = Side::BOTH.map(|side| self.ball(side).with_y(0.0).length());

@@ -149,7 +149,7 @@ impl Pilot {
             let most = MOST[0] + (MOST[1] - MOST[0]) * ahead;
             self.lacks = (self.lacks + (self.asked - self.mean) * (GATHERS * dt)).clamp_length_max(most * tempo);
         }
-        let walk = walk.clamp_length_max(FASTEST * pace);
+        let walk = walk.clamp_length_max(FASTEST.min(steep::fastest(state, walk.normalize())) * pace);
         Inputs { walk: Some(walk + self.lacks), ..*inputs }
     }
 

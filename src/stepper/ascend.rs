@@ -6,7 +6,7 @@
 
 use super::climb::{BESIDE, EDGE, ROOM, STRIDE, tread};
 use super::gait::Rhythm;
-use super::{Params, Physique, Plant, State, climb, descend, ground, kerb, pace};
+use super::{Params, Physique, Plant, State, climb, ground, kerb, pace};
 use crate::maths::curve::smooth3;
 use crate::maths::real;
 use crate::model::{Side, Terrain};
@@ -90,7 +90,7 @@ pub(super) fn approached(
 ) -> Option<f64> {
     let stance = &state.feet[side.other() as usize];
     let usual = (pace::aimed(state) * rhythm.step).y;
-    if !climb::climbed(params, terrain) || descend::falls(terrain) || usual < kerb::SLOW * params.size {
+    if !climb::climbed(params, terrain) || terrain.is_flight_down() || usual < kerb::SLOW * params.size {
         return None;
     }
     let at = stance.ankle.z;

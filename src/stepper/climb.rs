@@ -144,12 +144,12 @@ fn near(params: &Params, physique: &Physique, terrain: &Terrain, state: &State, 
     let foot = if left.ankle.z > right.ankle.z { left } else { right };
     climbed(params, terrain)
         && straight(state, inputs)
-        && tread(terrain, physique, foot)[1] - foot.ankle.z < NEAR[usize::from(descend::falls(terrain))] * params.size
+        && tread(terrain, physique, foot)[1] - foot.ankle.z < NEAR[usize::from(terrain.is_flight_down())] * params.size
 }
 
 /// What the gait is told: to end before a flight.
 pub fn ended(params: &Params, physique: &Physique, terrain: &Terrain, state: &State, inputs: &Inputs) -> Inputs {
-    let ends = descend::falls(terrain) && near(params, physique, terrain, state, inputs);
+    let ends = terrain.is_flight_down() && near(params, physique, terrain, state, inputs);
     Inputs { walk: inputs.walk.filter(|_| !ends), ..*inputs }
 }
 
@@ -169,17 +169,17 @@ pub fn goes(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut
         }
         return state.climb.on;
     }
-    let walks = state.swing.is_none() && state.gait.phase == Phase::Double && !descend::falls(terrain);
+    let walks = state.swing.is_none() && state.gait.phase == Phase::Double && !terrain.is_flight_down();
     if walks && near(params, physique, terrain, state, inputs) && ascend::begins(params, physique, terrain, state) {
         let speed = (state.xi() - state.cop) * state.omega();
         state.climb = Climb { on: true, from: state.xi(), since: state.time, speed, ..Climb::default() };
         return true;
     }
     let level = (state.feet[0].ankle.z - state.feet[1].ankle.z).abs() < BESIDE * params.size;
-    let stood = level || descend::falls(terrain) || state.calm > STOOD * params.tempo;
+    let stood = level || terrain.is_flight_down() || state.calm > STOOD * params.tempo;
     let stands = state.swing.is_none() && state.gait.phase == Phase::Rest && slow && stood;
     if stands && state.outline.outside(state.xi()) < -params.margin && near(params, physique, terrain, state, inputs) {
-        let down = descend::falls(terrain);
+        let down = terrain.is_flight_down();
         state.climb = Climb { on: true, down, from: state.xi(), since: state.time, ..Climb::default() };
     }
     state.climb.on

@@ -8,7 +8,6 @@ use super::climb::{EDGE, ROOM, STRIDE, tread};
 use super::support::Tread;
 use super::{Params, Physique, Plant, State, Support, Swing, ascend, ground, support};
 use crate::maths::curve::smooth3;
-use crate::model::scenario::GroundKind;
 use crate::model::{Side, Terrain};
 use glam::DVec2;
 
@@ -35,11 +34,6 @@ const ALONG: f64 = 1.15;
 const INSIDE: f64 = 0.022;
 /// As [`INSIDE`] says.
 const CALM: f64 = 0.3;
-
-/// Does the flight go down?
-pub fn falls(terrain: &Terrain) -> bool {
-    matches!(terrain.kind, GroundKind::Stairs { rise, .. } if rise < 0.0)
-}
 
 /// m, from the ankle to the ball.
 fn ball(params: &Params, physique: &Physique) -> f64 {
