@@ -28,7 +28,7 @@ const HIGHER: f64 = 1.3;
 
 /// m/s on legs of 0.83 m, and that for each metre by which the ground falls in one: downhill no walk is faster than the first and the second
 /// over the fall, 1.1 m/s down 6 degrees, 0.72 down 15 and 0.63 down 25. Of walks of 12 s of four bodies down 6 to 25 degrees none of 24 fell at
-/// 0.6 m/s, 6 at 0.9, 10 at 1.0 and 12 at 1.2, as fast as they were asked to go.
+/// 0.6 m/s, 7 at 0.9, 9 at 1.0 and 12 at 1.2, as fast as they were asked to go.
 const DOWNHILL: [f64; 2] = [0.5, 0.06];
 
 /// Shares of the leg's length from which on a foot is long, and up to which its length counts. People's is a third.
