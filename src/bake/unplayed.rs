@@ -8,12 +8,11 @@ use crate::ragdoll::{Figure, Locks};
 /// What of a scenario the articulated body cannot play, over that clip if any, for a person; empty where it plays it all.
 pub(super) fn unplayed(scenario: &Scenario, base: Option<&Base>) -> Vec<&'static str> {
     let over = base.is_some() || scenario.base.is_some();
-    let [walks, turns, stands] = [!scenario.walk.is_empty(), !scenario.turn.is_empty(), !scenario.stand.is_empty()];
     let crouches = scenario.character.crouch > 0.0 || scenario.crouch.iter().any(|crouch| crouch.amount > 0.0);
-    let lanes = walks || turns || stands || crouches || !scenario.carry.is_empty();
+    let lowers = crouches || !scenario.carry.is_empty();
     let Stepper { spring, damping, .. } = scenario.stepper;
     [
-        (over && lanes, "[base] beside [[walk]], [[turn]], [[crouch]], [[stand]] or [[carry]]"),
+        (over && lowers, "[base] beside [[crouch]] or [[carry]]"),
         (over && scenario.ground.kind != GroundKind::Flat, "[base] on ground that is not flat"),
         // Its legs hold it by torques, whatever a spring would.
         (spring != 1.0 || damping != 1.0, "spring and damping of [stepper]"),

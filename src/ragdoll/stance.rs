@@ -34,6 +34,8 @@ pub struct Stance {
     pub pelvis: DQuat,
     /// m, how much higher than at first it is held.
     pub higher: f64,
+    /// It is led elsewhere, and does not go back to it yet.
+    pub left: bool,
     natural: [f64; 2], // rad, by how much feet of the natural stand point beside that
     middle: DVec2,
     inside: Vec<DVec2>, // where `over` may be
@@ -58,6 +60,7 @@ impl Stance {
             over: DVec2::ZERO,
             pelvis: DQuat::IDENTITY,
             higher: 0.0,
+            left: false,
             natural: Side::BOTH.map(|side| side.sign() * toe_out - splay[side as usize]),
             middle,
             inside: shrink(&hull, INSIDE * control.size),
@@ -101,7 +104,7 @@ impl Controller {
 
     /// Is a foot being set back to where it stands as given, or has just been? Balance is then over its other foot's edge, and fights nothing.
     pub(super) fn goes_home(&self) -> bool {
-        self.stance.is_some() && (self.guide.is_some() || self.time - self.eased < EASED * self.tempo())
+        self.stance.as_ref().is_some_and(|stance| !stance.left) && (self.guide.is_some() || self.time - self.eased < EASED * self.tempo())
     }
 
     /// How the pelvis is turned besides.
@@ -125,7 +128,7 @@ impl Controller {
     pub fn is_home(&self, figure: &Figure) -> bool {
         let Some(stance) = &self.stance else { return true };
         let apart = stance.apart_at(self.heading);
-        self.swing.is_none() && Side::BOTH.iter().all(|side| self.strays(figure, *side, apart) < NEAR)
+        !stance.left && self.swing.is_none() && Side::BOTH.iter().all(|side| self.strays(figure, *side, apart) < NEAR)
     }
 
     /// Does it stand as given and only sway?

@@ -117,6 +117,12 @@ impl Pilot {
         calm && goes && !course.terrain.has_treads() && control.steps_off(self.session.dt())
     }
 
+    /// Nothing is asked of the plan: it is where the body is.
+    pub(super) fn rest(&mut self, course: &Course, control: &mut Controller, force: DVec3) {
+        let measured = measure(course, control, self.session.state().omega(), force);
+        self.stand_by(control, &measured);
+    }
+
     /// The law is at work: the plan waits.
     fn stand_by(&mut self, control: &mut Controller, measured: &Measured) {
         self.session.wait(measured);

@@ -34,8 +34,12 @@ const SAFE: [f64; 2] = [0.1, 0.4];
 /// s at legs of 0.83 m, in which who fights for his balance leaves what he did at ease, and goes back to it.
 const FIGHTS: f64 = 0.15;
 const CALMS: f64 = 1.0;
+/// The same of who sets out from it as he is asked to: in 0.15 s who stands low is thrown up.
+const SETS_OUT: f64 = 0.6;
 /// Of the kinematic body's time, what arms take to come down: these have to be moved, which takes time of its own.
 const LOWERS: f64 = 0.6;
+/// s, for which nothing has been asked of who goes back to a stance, and no plan has led him, before he does.
+const DONE: f64 = 0.3;
 
 /// What does not change in a run.
 pub(super) struct Course<'a> {
@@ -107,6 +111,8 @@ pub(super) struct Run {
     felt: DVec3, // N, what pushed it in the last tick
     velocity: Option<DVec3>,
     pushed: f64,  // s, when something last pushed it
+    faces: Option<f64>, // rad, where it was asked to face lately
+    asked: f64, // s, for how long nothing has been asked of it
     natural: f64, // 0 at ease as it is told, 1 fighting for its balance in the natural stand
 }
 
@@ -182,6 +188,8 @@ impl Run {
             felt: DVec3::ZERO,
             velocity: None,
             pushed: f64::NEG_INFINITY,
+            faces: None,
+            asked: DONE,
             natural: 0.0,
         })
     }
@@ -193,12 +201,20 @@ impl Run {
         let ground = course.terrain.held_at(time);
         let laden = self.carry(figure, course.body, things.loads, time);
         let model = laden.as_ref().unwrap_or(figure);
-        if let Some(intent) = (things.intent)(time) {
+        let intent = (things.intent)(time);
+        if intent.is_some() || things.ease.is_some() {
             self.control.sense(model, &self.world);
-            self.pilot.lead(course, &mut self.control, &intent, self.felt);
-        } else if things.ease.is_some() {
-            self.control.sense(model, &self.world);
-            self.homeward.lead(course, &mut self.control, dt);
+        }
+        let asked = intent.filter(|intent| self.asks(intent, dt));
+        match (asked, things.ease.is_some()) {
+            (Some(asked), _) => self.pilot.lead(course, &mut self.control, &asked, self.felt),
+            (None, true) => {
+                if intent.is_some() {
+                    self.pilot.rest(course, &mut self.control, self.felt);
+                }
+                self.homeward.lead(course, &mut self.control, dt);
+            }
+            (None, false) => {}
         }
         let report = self.control.tick(model, &mut self.world, &ground);
         let pressed = figure.legs.map(|leg| self.world.pressed(leg[2]));
@@ -245,6 +261,16 @@ impl Run {
     /// Is it led: does it walk, turn or stand on one foot?
     pub(super) fn goes(&self) -> bool {
         self.pilot.gait().is_some()
+    }
+
+    /// Is something asked of it that the plan leads? Who has a stance to go back to is led by it only as long as that takes.
+    fn asks(&mut self, intent: &Inputs, dt: f64) -> bool {
+        let Some(stance) = &mut self.control.stance else { return true };
+        let turned = self.faces.replace(intent.facing).is_some_and(|before| before != intent.facing);
+        let asks = turned || intent.walk.is_some_and(|walk| walk != DVec2::ZERO) || intent.stand != Feet::Both;
+        self.asked = if asks { 0.0 } else { self.asked + if self.pilot.gait().is_some() { 0.0 } else { dt } };
+        stance.left = self.asked < DONE;
+        stance.left
     }
 
     /// How sure it is of its balance, 0 to 1.
@@ -380,7 +406,12 @@ impl Run {
         let (figure, (pose, com)) = (course.figure, (ease.goal)(time));
         let [dt, tempo] = [self.world.dt, self.control.tempo()];
         // Who only sways stays as he is: to rise out of a crouch in that time would throw him.
-        let over = if self.control.is_home(figure) { -CALMS } else { FIGHTS };
+        let left = self.control.stance.as_ref().is_some_and(|stance| stance.left);
+        let over = match self.control.is_home(figure) {
+            true => -CALMS,
+            false if left && self.goes() => SETS_OUT,
+            false => FIGHTS,
+        };
         self.natural = (self.natural + dt / (over * tempo)).clamp(0.0, 1.0);
         let share = smooth3(self.natural);
         let mut placed = figure.placed(course.body, &pose);

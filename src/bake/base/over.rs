@@ -8,7 +8,7 @@ use crate::sim::SimulateOptions;
 use crate::stepper::Step;
 use crate::whole_body::reaction::UpperAngles;
 use crate::whole_body::{Anatomy, BasePose, Neutral};
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use std::sync::Arc;
 
 /// The entry of an upper body's angles that is where it faces.
@@ -82,7 +82,9 @@ impl Over {
                 let last = com[com.len() - 1];
                 let off = (stood.rests(start, steps, facing) - last) * DVec3::new(1.0, 0.0, 1.0);
                 for (index, com) in com.iter_mut().enumerate() {
-                    *com += stood.sway(index as f64 * dt) + off * (1.0 - left[index]);
+                    // The clip's own sway turns with the body.
+                    let turned = DQuat::from_rotation_y(upper.get(index).map_or(facing, |angles| angles[FACING]));
+                    *com += turned * stood.sway(index as f64 * dt) + off * (1.0 - left[index]);
                 }
                 for (angles, left) in upper.iter_mut().zip(left) {
                     scale(angles, *left);

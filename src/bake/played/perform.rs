@@ -64,7 +64,7 @@ pub fn perform(
     pushes.extend(balls.iter().filter_map(|ball| ball.hit).map(|hit| hit.push));
     pushes.sort_by(|a, b| a.start.total_cmp(&b.start));
     let terrain = Terrain::new(&scenario.ground);
-    let played = played(&driven, (scenario.duration, &pushes), (body, &anatomy), &terrain, over);
+    let played = played(&driven, (scenario, &pushes), (body, &anatomy), &terrain, over);
     let over = played.over();
     let contacts = played.contacts();
     let lost = trace.lost;
@@ -152,13 +152,14 @@ pub(super) fn run(
 /// The run up to the clip's end; a fall that begins before it goes on until the body lies.
 fn played(
     driven: &Driven,
-    (duration, pushes): (f64, &[KnownPush]),
+    (scenario, pushes): (&Scenario, &[KnownPush]),
     (body, anatomy): (&Body, &Anatomy),
     terrain: &Terrain,
     over: Option<Over>,
 ) -> Played {
     let run = &driven.run;
     let dt = run.trace.dt;
+    let duration = scenario.duration;
     let whole = (duration / dt).round().max(0.0) as usize;
     let stands = whole.min(run.trace.ticks.len().min(run.poses.len()).saturating_sub(1));
     let falls = run.trace.lost.is_some_and(|lost| lost <= duration);
@@ -170,9 +171,16 @@ fn played(
     match over {
         Some(Over::Stand(stood)) => {
             let busy = run.trace.steps.iter().map(|step| step.land).fold(pushed, f64::max);
+            let struck = begins(scenario).fold(struck, f64::min);
             played.over_stand(&input, *stood, &Course { struck, busy, stands: !falls })
         }
         Some(Over::Walk(walked)) => played.over_walk(&input, *walked, &run.trace.steps, (struck, pushed, !falls)),
         None => played,
     }
+}
+
+/// s, when each thing begins that is asked of it.
+fn begins(scenario: &Scenario) -> impl Iterator<Item = f64> + '_ {
+    let walks = scenario.walk.iter().map(|walk| walk.start);
+    walks.chain(scenario.turn.iter().map(|turn| turn.start)).chain(scenario.stand.iter().map(|stand| stand.start))
 }
