@@ -2,6 +2,7 @@
 //!
 //! Scenario space, SI units.
 
+use super::Side;
 use glam::{DVec2, DVec3};
 
 /// What the controller needs to know of a body, measured in its natural stand.
@@ -80,6 +81,11 @@ impl Physique {
         half_width: 0.045,
         stance: None,
     };
+
+    /// rad, how far a foot is turned from where the body faces when it stands at rest; to the left is positive.
+    pub fn points(&self, side: Side) -> f64 {
+        self.stance.map_or(side.sign() * self.toe_out, |stance| stance.yaws[side as usize])
+    }
 
     /// m, ankle to ankle in the natural stand (0.18 m for a leg of 0.83 m); wide hips and wide shoes stand wider.
     pub fn natural_width(leg_length: f64, hip_width: f64, half_width: f64) -> f64 {

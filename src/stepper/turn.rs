@@ -111,7 +111,10 @@ fn twist(physique: &Physique, state: &State) -> f64 {
             Some(swing) if swing.side == side => swing.to,
             _ => state.feet[side as usize],
         };
-        wrap(state.facing - (foot.yaw - side.sign() * physique.toe_out))
+        // Who has taken no step yet stands as at rest.
+        let rests = state.gait.phase == Phase::Rest && !state.gait.turning;
+        let out = if rests { physique.points(side) } else { side.sign() * physique.toe_out };
+        wrap(state.facing - (foot.yaw - out))
     };
     0.5 * (past(Side::Left) + past(Side::Right))
 }
