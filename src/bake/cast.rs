@@ -35,13 +35,14 @@ impl<'a> Cast<'a> {
     pub(super) fn new(body: &'a Body, scenario: &'a Scenario, base: Option<&Arc<Base>>) -> Result<Cast<'a>, BakeError> {
         let anatomy = Anatomy::new(body);
         let over = base.map(|base| Over::new(base, body, &anatomy, scenario)).transpose()?;
-        let physique = stand::physique(body, &anatomy);
-        let physique = over.as_ref().map_or(physique, |over| over.physique(&physique));
+        let natural = stand::physique(body, &anatomy);
+        let physique = over.as_ref().map_or(natural, |over| over.physique(&natural));
         let (carried, loads) = carried::carried(body, &anatomy, scenario);
         let options =
             SimulateOptions { duration: scenario.duration, style: style(scenario), ..SimulateOptions::default() };
         let most = ((options.duration + options.extra) / options.dt).ceil() as usize + 2;
-        let physiques = carried::physiques(body, &anatomy, (&carried, &loads), options.dt, most);
+        let mut physiques = carried::physiques(body, &anatomy, (&carried, &loads), options.dt, most);
+        physiques.iter_mut().for_each(|one| *one = laden(&physique, &natural, one));
         let mut script = Script { physiques, ..Script::of(scenario, Vec::new()) };
         if let Some(Over::Walk(walked)) = &over {
             script.walk = vec![walked.lane()];
@@ -122,5 +123,15 @@ impl<'a> Cast<'a> {
             },
         });
         simulate(&self.physique, &Script { pushes: pushes.collect(), ..self.script.clone() }, options)
+    }
+}
+
+/// Who stands like that, laden as the one who is `natural` by himself is then.
+fn laden(stands: &Physique, natural: &Physique, laden: &Physique) -> Physique {
+    Physique {
+        mass: laden.mass,
+        com_height: stands.com_height + (laden.com_height - natural.com_height),
+        hip_height: stands.hip_height + (laden.hip_height - natural.hip_height),
+        ..*stands
     }
 }

@@ -104,7 +104,8 @@ impl Controller {
 
     /// Is a foot being set back to where it stands as given, or has just been? Balance is then over its other foot's edge, and fights nothing.
     pub(super) fn goes_home(&self) -> bool {
-        self.stance.as_ref().is_some_and(|stance| !stance.left) && (self.guide.is_some() || self.time - self.eased < EASED * self.tempo())
+        self.stance.as_ref().is_some_and(|stance| !stance.left)
+            && (self.guide.is_some() || self.time - self.eased < EASED * self.tempo())
     }
 
     /// How the pelvis is turned besides.

@@ -110,10 +110,10 @@ pub(super) struct Run {
     homeward: Homeward,
     felt: DVec3, // N, what pushed it in the last tick
     velocity: Option<DVec3>,
-    pushed: f64,  // s, when something last pushed it
+    pushed: f64,        // s, when something last pushed it
     faces: Option<f64>, // rad, where it was asked to face lately
-    asked: f64, // s, for how long nothing has been asked of it
-    natural: f64, // 0 at ease as it is told, 1 fighting for its balance in the natural stand
+    asked: f64,         // s, for how long nothing has been asked of it
+    natural: f64,       // 0 at ease as it is told, 1 fighting for its balance in the natural stand
 }
 
 /// What a tick knows before the world goes on.

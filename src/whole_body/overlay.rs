@@ -49,7 +49,7 @@ pub struct Neutral {
     chest: usize,
     arms: [Vec<usize>; 2], // collar bone to fingers
     lower: [usize; 2],
-    rigid: Vec<bool>, // of a joint: it keeps to the forearm as in the clip
+    rigid: Vec<Option<usize>>, // of a joint that keeps to the forearm as in the clip: the one above it
 }
 
 impl Neutral {
@@ -59,7 +59,7 @@ impl Neutral {
         let (pelvis, chest, head, arms) = upper_turns(&[0.0; UPPER]);
         let target = PoseTarget { pelvis, chest, head, arms, ..stand };
         let turns = Solver::new(body, anatomy).upper(&target);
-        let mut rigid = vec![false; turns.len()];
+        let mut rigid = vec![None; turns.len()];
         let mut chains = [Vec::new(), Vec::new()];
         for side in Side::BOTH {
             let arm = &anatomy.arms[side as usize];
@@ -69,7 +69,8 @@ impl Neutral {
                 let hangs = body.joints[joint].parent.is_some_and(|parent| chain.contains(&parent));
                 if joint == root || joint == arm.upper || hangs {
                     chain.push(joint);
-                    *rigid = ![Some(root), Some(arm.upper), Some(arm.lower)].contains(&Some(joint));
+                    let own = [root, arm.upper, arm.lower].contains(&joint);
+                    *rigid = body.joints[joint].parent.filter(|_| !own);
                 }
             }
         }
@@ -90,11 +91,22 @@ impl Neutral {
         let (reacts, rests) = (reaction[self.chest].inverse(), self.turns[self.chest].inverse());
         let stands = base.turns[self.chest].inverse();
         for side in Side::BOTH {
-            for &joint in &self.arms[side as usize] {
-                let moved = if self.rigid[joint] { self.lower[side as usize] } else { joint };
+            let laid = |joint: usize| {
+                let moved = if self.rigid[joint].is_some() { self.lower[side as usize] } else { joint };
                 let by = (reacts * reaction[moved]) * (rests * self.turns[moved]).inverse();
-                let laid = chest * by * (stands * base.turns[joint]);
-                turns[joint] = if holds > 0.0 { laid.slerp(reaction[joint], holds) } else { laid };
+                chest * by * (stands * base.turns[joint])
+            };
+            for &joint in &self.arms[side as usize] {
+                turns[joint] = match self.rigid[joint] {
+                    _ if holds <= 0.0 => laid(joint),
+                    // Fingers of a fist are half a turn from those that hold: each joint opens by its own bend.
+                    Some(above) => {
+                        let [clip, held] =
+                            [laid(above).inverse() * laid(joint), reaction[above].inverse() * reaction[joint]];
+                        turns[above] * clip.slerp(held, holds)
+                    }
+                    None => laid(joint).slerp(reaction[joint], holds),
+                };
             }
         }
         for turn in turns {
