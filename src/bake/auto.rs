@@ -6,6 +6,7 @@
 //! for less, and the stepper's where they are even. Where both fall, the clip that shows more of it.
 
 use super::base::Over;
+use super::base::apart::ends_in;
 use super::obeys::{Shirked, obeyed, shirked};
 use super::ragdoll::{Drive, Helped};
 use super::unplayed::unplayed;
@@ -20,8 +21,6 @@ const TOUCHED: &str = "things touch the body";
 /// Plausibility from which on another clip of someone who stands could hardly look better: what is above are differences that nobody sees.
 const PLAUSIBLE: f64 = 0.95;
 
-/// Degrees and mm: a clip that ends farther from its base clip has not come back to it.
-const HOME: (f64, f64) = (1.0, 5.0);
 /// mm from the run: a clip of the ragdoll that is farther from it over a base clip is led back to that, not played.
 const LED: f64 = 60.0;
 
@@ -119,7 +118,7 @@ fn better(stepper: Baked, ragdoll: Result<Baked, BakeError>, scenario: &Scenario
 
 /// Whether a clip ends in the base clip that it is laid over, if any.
 fn is_home(baked: &Baked) -> bool {
-    baked.report.base.as_ref().is_none_or(|base| base.last_deg < HOME.0 && base.last_mm < HOME.1)
+    baked.report.base.as_ref().is_none_or(ends_in)
 }
 
 /// Whether it is laid over a base clip that stands.

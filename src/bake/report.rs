@@ -137,6 +137,9 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
     };
     let mut warnings = warnings(input, outcome, fallen);
     warnings.extend(performance.timeline.over.iter().flat_map(|over| over.notes().to_vec()));
+    if outcome != Outcome::Fall {
+        warnings.extend(report.base.as_ref().and_then(|based| base::apart::apart(input.scenario, based)));
+    }
     warnings.extend(footless);
     warnings.extend(strayed);
     (report, findings, warnings)

@@ -4,6 +4,7 @@
 //! stand. Scenario space: metres, the ground at 0, the clip's own place and heading. What runs, jumps or sits is refused.
 
 pub(in crate::bake) mod again;
+pub(in crate::bake) mod apart;
 mod bearing;
 mod beside;
 mod cycle;
