@@ -15,7 +15,7 @@ use surefoot::maths::seed::Seed;
 use surefoot::mocap;
 use surefoot::model::Role;
 use surefoot::model::report::{ClipReport, Outcome};
-use surefoot::model::scenario::{self, Direction, Push, Scenario, Walk};
+use surefoot::model::scenario::{self, Crouch, Direction, Push, Scenario, Walk};
 use surefoot::ragdoll::control::Assist;
 use surefoot::rig::{Rig, load};
 use surefoot::stepper::StepKind;
@@ -136,9 +136,9 @@ fn nobody_struck_is_the_clip_and_what_cannot_be_played_over_a_base_is_named() {
         assert!(told.last_deg < AS_CLIP.0 && told.last_mm < AS_CLIP.1, "{clip}: {told:?}");
         assert!(baked.report.outcome != Outcome::Fall && baked.report.steps == 0, "{clip}");
         assert!(baked.report.plausibility.slip_max_mm < 1.0, "{clip}");
-        let walk = Walk { start: 0.5, duration: None, speed: 0.5, heading: 0.0, facing: None };
-        let told = play(&rig, &Scenario { walk: vec![walk], ..scenario }, base).expect_err("not yet");
-        assert!(told.contains("[base] beside [[walk]]"), "{told}");
+        let crouch = Crouch { start: 0.5, duration: None, amount: 0.2 };
+        let told = play(&rig, &Scenario { crouch: vec![crouch], ..scenario }, base).expect_err("not yet");
+        assert!(told.contains("[base] beside [[crouch]]"), "{told}");
     }
     for (file, clip, why) in [
         ("kaykit_Knight.glb", "Walking_A", "[base] that walks at more than 1.3 m/s"),

@@ -21,6 +21,7 @@ mod audit_grid;
 mod base;
 /// Base clips that stand, by the articulated body.
 mod base_body;
+mod base_lanes;
 /// `surefoot batch`: as `bake` makes each, whatever the jobs, chunks, kills; failures, merged files, bad sweeps.
 mod batch;
 /// Baked shoves beside the hand-keyed hits of the same rig; draws them where it is told to.
