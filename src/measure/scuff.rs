@@ -110,9 +110,10 @@ fn over_edges(ground: &Terrain, corners: &[DVec3]) -> Vec<Between> {
         let spot = ground.spot(DVec2::new(point.x, point.z));
         if spot.holds { spot.height } else { f64::NEG_INFINITY }
     };
+    let heights: Vec<f64> = corners.iter().map(|corner| under(*corner)).collect();
     for one in 0..corners.len() {
         for other in 0..one {
-            let (first, second) = (under(corners[one]), under(corners[other]));
+            let (first, second) = (heights[one], heights[other]);
             if first.max(second) - first.min(second) <= LOWER || first == second {
                 continue;
             }

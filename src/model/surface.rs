@@ -13,6 +13,10 @@ const LEAST_AREA: f64 = 1e-8;
 /// Cells of the grid at most, and entries (a triangle in a cell): 64 MB of indices.
 const MOST_CELLS: f64 = 1_048_576.0;
 const MOST_ENTRIES: usize = 16_000_000;
+/// m, a cell's side where the entries are few enough: a sole asks for points so far apart, and walls and steps of few large triangles stand
+/// close together beside floors that are bare. Entries so many are laid out in 10 ms.
+const FINE: f64 = 0.1;
+const FEW_ENTRIES: usize = 262_144;
 /// m, the least and greatest side of a cell: a sole's width, and a hall's.
 const CELLS: [f64; 2] = [0.05, 20.0];
 /// m, by which a place may be beside a triangle's edge and still on it: seams of f32 coordinates leave no holes.
@@ -116,8 +120,8 @@ impl Surface {
     /// Height (m) and unit normal of the ground at (x, z): the topmost face that faces up and lies no higher than `ceiling` (m).
     pub fn ground(&self, at: DVec2, ceiling: f64) -> Option<(f64, DVec3)> {
         let mut best: Option<(f64, DVec3)> = None;
-        for index in self.near(at, at) {
-            let (corners, normal) = (&self.corners[index], self.normals[index]);
+        for index in self.over(at) {
+            let (corners, normal) = (&self.corners[*index as usize], self.normals[*index as usize]);
             if normal.y <= STEEP || !holds(corners, at) {
                 continue;
             }
@@ -155,6 +159,17 @@ impl Surface {
         nearest
     }
 
+    /// The triangles that may be over or under a place.
+    fn over(&self, at: DVec2) -> &[u32] {
+        let [column, row] = ((at - DVec2::new(self.low.x, self.low.z)) / self.cell).to_array();
+        let [columns, rows] = self.columns;
+        if !(column >= 0.0 && row >= 0.0 && column <= columns as f64 && row <= rows as f64) || columns == 0 {
+            return &[];
+        }
+        let cell = (column as usize).min(columns - 1) * rows + (row as usize).min(rows - 1);
+        &self.entries[self.starts[cell] as usize..self.starts[cell + 1] as usize]
+    }
+
     /// The triangles that may touch the box from low to high (x, z), each at least once, in an order that is always the same.
     pub fn near(&self, low: DVec2, high: DVec2) -> impl Iterator<Item = usize> + '_ {
         let [first, last] = [low, high].map(|at| (at - DVec2::new(self.low.x, self.low.z)) / self.cell);
@@ -170,21 +185,29 @@ impl Surface {
         })
     }
 
-    /// Puts the triangles into cells of about two each; larger ones where that takes too much room.
+    /// Puts the triangles into cells of about two each or of [`FINE`], whichever is finer; larger ones where that takes too much room.
     fn fill(&mut self) {
         if self.corners.is_empty() {
             return;
         }
         let size = DVec2::new(self.high.x - self.low.x, self.high.z - self.low.z);
         let area = size.x.max(0.01) * size.y.max(0.01);
-        let wanted = (area / self.corners.len() as f64 * 2.0).sqrt().max((area / MOST_CELLS).sqrt());
-        self.cell = wanted.clamp(CELLS[0], CELLS[1]).max((size.max_element() / 30_000.0).max(1e-3));
-        while !self.filled() {
+        let least = (area / MOST_CELLS).sqrt();
+        let sided = |wanted: f64| wanted.max(least).clamp(CELLS[0], CELLS[1]).max((size.max_element() / 30_000.0).max(1e-3));
+        let two = sided((area / self.corners.len() as f64 * 2.0).sqrt());
+        self.cell = sided(FINE).min(two);
+        while self.cell < two {
+            if self.filled(FEW_ENTRIES) {
+                return;
+            }
+            self.cell = (self.cell * std::f64::consts::SQRT_2).min(two);
+        }
+        while !self.filled(MOST_ENTRIES) {
             self.cell *= 2.0;
         }
     }
 
-    fn filled(&mut self) -> bool {
+    fn filled(&mut self, most: usize) -> bool {
         let size = DVec2::new(self.high.x - self.low.x, self.high.z - self.low.z);
         self.columns = [size.x, size.y].map(|side| (side / self.cell) as usize + 1);
         let [columns, rows] = self.columns;
@@ -199,7 +222,7 @@ impl Surface {
                 counts[cell + 1] += 1;
                 entries += 1;
             });
-            if entries > MOST_ENTRIES && !alone {
+            if entries > most && !alone {
                 return false;
             }
         }
@@ -249,7 +272,8 @@ fn holds(corners: &[DVec3; 3], at: DVec2) -> bool {
     // Faces up: clockwise in (x, z), for z x x = y.
     (0..3).all(|side| {
         let (a, b) = (flat[side], flat[(side + 1) % 3]);
-        (b - a).perp_dot(at - a) <= SEAM * (b - a).length()
+        let out = (b - a).perp_dot(at - a);
+        out <= 0.0 || out <= SEAM * (b - a).length()
     })
 }
 

@@ -65,41 +65,93 @@ impl Sole {
 }
 
 /// How a foot lies somewhere, and how well.
+#[derive(Clone, Copy)]
 struct Place {
     plant: Plant,
     held: f64,  // 0..1
     hangs: f64, // m, how far below the sole the ground is at the most
-    /// No wall in it, none between it and the other foot, not too steep, not too high.
-    free: bool,
 }
 
-fn place(
-    terrain: &Terrain,
-    physique: &Physique,
-    by: Option<&Plant>,
-    sole: &Sole,
-    at: DVec2,
+/// Where a sole that points one way may be set down.
+struct Ground<'a> {
+    terrain: &'a Terrain,
+    physique: &'a Physique,
+    by: Option<&'a Plant>,
+    sole: Sole,
     yaw: f64,
-) -> Option<Place> {
-    let lie = terrain.lie(at, &sole.points)?;
-    let ankle = DVec3::new(at.x, lie.height, at.y);
-    let plant = Plant { ankle, yaw, normal: lie.normal };
-    let rise = |other: &Plant| (lie.height - other.ankle.y).abs() <= RISE * physique.leg_length;
-    let holds = lie.normal.y >= 1.0 / real::hypot(1.0, terrain.friction); // inside of the friction cone
-    let outline = sole.outline().map(|corner| at + corner);
-    let [low, high] = [WALLS[0], WALLS[1] * physique.leg_length];
-    let lift = |at: DVec2, height: f64| DVec3::new(at.x, lie.height + height, at.y);
-    let clear = (0..4).all(|side| {
-        let (here, next, over) = (outline[side], outline[(side + 1) % 4], outline[(side + 2) % 4]);
-        let free = |to: DVec2, height: f64| terrain.wall(lift(here, height), lift(to, height)).is_none();
-        free(next, low) && (side > 1 || free(over, low) && free(over, high))
-    });
-    let reached = by.is_none_or(|other| {
-        let height = other.ankle.y.max(lie.height) + high;
-        let from = DVec3::new(other.ankle.x, height, other.ankle.z);
-        rise(other) && terrain.wall(from, DVec3::new(at.x, height, at.y)).is_none()
-    });
-    Some(Place { plant, held: lie.held, hangs: lie.hangs, free: holds && clear && reached })
+}
+
+impl Ground<'_> {
+    /// The sole laid down there; `None` where there is nothing under it.
+    fn place(&self, at: DVec2) -> Option<Place> {
+        let lie = self.terrain.lie(at, &self.sole.points)?;
+        let plant = Plant { ankle: DVec3::new(at.x, lie.height, at.y), yaw: self.yaw, normal: lie.normal };
+        Some(Place { plant, held: lie.held, hangs: lie.hangs })
+    }
+
+    /// No wall in it, none between it and the other foot, not too steep, not too high?
+    fn is_free(&self, place: &Place) -> bool {
+        let (terrain, leg) = (self.terrain, self.physique.leg_length);
+        if place.plant.normal.y < 1.0 / real::hypot(1.0, terrain.friction) {
+            return false; // out of the friction cone
+        }
+        let ankle = place.plant.ankle;
+        let outline = self.sole.outline().map(|corner| DVec2::new(ankle.x, ankle.z) + corner);
+        let [low, high] = [WALLS[0], WALLS[1] * leg];
+        let lift = |at: DVec2, height: f64| DVec3::new(at.x, ankle.y + height, at.y);
+        let clear = (0..4).all(|side| {
+            let (here, next, over) = (outline[side], outline[(side + 1) % 4], outline[(side + 2) % 4]);
+            let free = |to: DVec2, height: f64| terrain.wall(lift(here, height), lift(to, height)).is_none();
+            free(next, low) && (side > 1 || free(over, low) && free(over, high))
+        });
+        clear
+            && self.by.is_none_or(|other| {
+                let height = other.ankle.y.max(ankle.y) + high;
+                let from = DVec3::new(other.ankle.x, height, other.ankle.z);
+                let steps = (ankle.y - other.ankle.y).abs() <= RISE * leg;
+                steps && terrain.wall(from, DVec3::new(ankle.x, height, ankle.z)).is_none()
+            })
+    }
+
+    /// The nearest place where the sole lies and is free; else what comes nearest to that.
+    fn search(&self, ankle: DVec2, lies: fn(&Place) -> bool) -> Result<Place, Option<Place>> {
+        let good = |found: &Place| lies(found) && self.is_free(found);
+        let first = self.place(ankle);
+        if let Some(found) = first.as_ref().filter(|found| good(found)) {
+            return Ok(*found);
+        }
+        let size = self.physique.leg_length / Physique::REFERENCE.leg_length;
+        let mut best: Option<(f64, Place)> = None;
+        // Walls are asked about only where the answer counts.
+        let mut keep = |found: Place, moved: f64| {
+            let worth = found.held - DEARER * moved / size;
+            let most = best.as_ref().map_or(f64::NEG_INFINITY, |known| known.0 + 1e-9);
+            if worth + 1.0 > most {
+                let worth = worth + f64::from(u8::from(self.is_free(&found)));
+                if worth > most {
+                    best = Some((worth, found));
+                }
+            }
+        };
+        if let Some(found) = first {
+            keep(found, 0.0);
+        }
+        let ring = RING * size;
+        for number in 1..=(FARTHEST / RING) as usize {
+            for direction in 0..DIRECTIONS {
+                let (sine, cosine) = real::sin_cos(std::f64::consts::TAU * direction as f64 / DIRECTIONS as f64);
+                let way = DVec2::new(sine, cosine);
+                let at = ankle + way * (ring * number as f64);
+                let Some(found) = self.place(at) else { continue };
+                if good(&found) {
+                    let look = |at: DVec2| self.place(at).filter(good);
+                    return Ok(nearer(&look, ankle, way, [ring * (number - 1) as f64, ring * number as f64], found));
+                }
+                keep(found, at.distance(ankle));
+            }
+        }
+        Err(best.map(|(_, place)| place))
+    }
 }
 
 /// The foot set down as near to that place as the whole sole is held; where it is nowhere near, where most of it is. `by`: the other
@@ -128,53 +180,13 @@ fn set(
     let mut best = None;
     // On a stair as deep as the sole is long there is no room for edges.
     for edge in [EDGE, 0.0] {
-        let sole = Sole::new(physique, yaw, edge);
-        match search(physique, ankle, &|at: DVec2| place(terrain, physique, by, &sole, at, yaw), lies) {
+        let ground = Ground { terrain, physique, by, sole: Sole::new(physique, yaw, edge), yaw };
+        match ground.search(ankle, lies) {
             Ok(found) => return found.plant,
             Err(found) => best = found,
         }
     }
     best.map_or_else(|| nowhere(by, ankle, yaw), |best: Place| best.plant)
-}
-
-/// The nearest place that holds a whole sole; else what comes nearest to that.
-fn search(
-    physique: &Physique,
-    ankle: DVec2,
-    look: &dyn Fn(DVec2) -> Option<Place>,
-    lies: fn(&Place) -> bool,
-) -> Result<Place, Option<Place>> {
-    let good = |found: &Place| found.free && lies(found);
-    let mut best = look(ankle);
-    if let Some(found) = best.take_if(|found| good(found)) {
-        return Ok(found);
-    }
-    let size = physique.leg_length / Physique::REFERENCE.leg_length;
-    let worth = |found: &Place| {
-        let moved = DVec2::new(found.plant.ankle.x, found.plant.ankle.z).distance(ankle);
-        found.held + f64::from(u8::from(found.free)) - DEARER * moved / size
-    };
-    let ring = RING * size;
-    for number in 1..=(FARTHEST / RING) as usize {
-        for direction in 0..DIRECTIONS {
-            let (sine, cosine) = real::sin_cos(std::f64::consts::TAU * direction as f64 / DIRECTIONS as f64);
-            let way = DVec2::new(sine, cosine);
-            let Some(found) = look(ankle + way * (ring * number as f64)) else { continue };
-            if good(&found) {
-                return Ok(nearer(
-                    &|at: DVec2| look(at).filter(good),
-                    ankle,
-                    way,
-                    [ring * (number - 1) as f64, ring * number as f64],
-                    found,
-                ));
-            }
-            if best.as_ref().is_none_or(|best| worth(&found) > worth(best) + 1e-9) {
-                best = Some(found);
-            }
-        }
-    }
-    Err(best)
 }
 
 /// The nearest good place between two distances along a way, of which the farther one is good; `look` gives good places only.
@@ -238,25 +250,24 @@ pub fn beside_edge(terrain: &Terrain, size: f64, place: DVec2, way: DVec2) -> f6
 
 /// Is the ground around a foothold such that a sole does not lie on it everywhere?
 pub fn broken(terrain: &Terrain, physique: &Physique, by: &Plant, ankle: DVec2, yaw: f64) -> bool {
-    let sole = Sole::new(physique, yaw, EDGE);
+    let ground = Ground { terrain, physique, by: Some(by), sole: Sole::new(physique, yaw, EDGE), yaw };
     let ahead = support::forward(yaw) * (BESIDE * physique.leg_length);
     [-1.0, 0.0, 1.0].into_iter().any(|share| {
-        let there = place(terrain, physique, Some(by), &sole, ankle + ahead * share, yaw);
-        there.is_none_or(|there| !there.free || !rocks(&there))
+        ground.place(ankle + ahead * share).is_none_or(|there| !rocks(&there) || !ground.is_free(&there))
     })
 }
 
 /// A foot at exactly that place, where a whole sole lies there and a leg steps there from the other foot.
 pub fn lying(terrain: &Terrain, physique: &Physique, by: &Plant, ankle: DVec2, yaw: f64) -> Option<Plant> {
-    let sole = Sole::new(physique, yaw, 0.0);
-    let there = place(terrain, physique, Some(by), &sole, ankle, yaw)?;
-    (there.free && there.held >= 1.0).then_some(there.plant)
+    let ground = Ground { terrain, physique, by: Some(by), sole: Sole::new(physique, yaw, 0.0), yaw };
+    let there = ground.place(ankle)?;
+    (there.held >= 1.0 && ground.is_free(&there)).then_some(there.plant)
 }
 
 /// A foot at exactly that place.
 pub fn stood(terrain: &Terrain, physique: &Physique, ankle: DVec2, yaw: f64) -> Plant {
-    let sole = Sole::new(physique, yaw, 0.0);
-    place(terrain, physique, None, &sole, ankle, yaw).map_or_else(|| nowhere(None, ankle, yaw), |there| there.plant)
+    let ground = Ground { terrain, physique, by: None, sole: Sole::new(physique, yaw, 0.0), yaw };
+    ground.place(ankle).map_or_else(|| nowhere(None, ankle, yaw), |there| there.plant)
 }
 
 /// m along a way, where between two places the ground goes past a height.
