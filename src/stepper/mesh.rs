@@ -89,27 +89,42 @@ impl Ground<'_> {
         Some(Place { plant, held: lie.held, hangs: lie.hangs })
     }
 
+    /// Is what is under a place no higher or lower than a leg steps? Asked first: a sole over another floor is laid down for nothing.
+    fn steps_to(&self, at: DVec2) -> bool {
+        let rise = |other: &Plant| (self.terrain.spot(at).height - other.ankle.y).abs();
+        self.by.is_none_or(|other| rise(other) <= RISE * self.physique.leg_length + ROCKS)
+    }
+
+    /// May a whole sole lie there, or rock? Where its ends and its middle are not nearly on one line it does neither.
+    fn may_lie(&self, at: DVec2) -> bool {
+        let middle = POINTS[1] / 2;
+        let [rear, half, front] = [0, POINTS[0] / 2, POINTS[0] - 1]
+            .map(|along| self.terrain.spot(at + self.sole.points[along * POINTS[1] + middle]));
+        let bent = half.height - 0.5 * (rear.height + front.height);
+        rear.holds && half.holds && front.holds && bent.abs() <= ROCKS
+    }
+
     /// No wall in it, none between it and the other foot, not too steep, not too high?
     fn is_free(&self, place: &Place) -> bool {
         let (terrain, leg) = (self.terrain, self.physique.leg_length);
-        if place.plant.normal.y < 1.0 / real::hypot(1.0, terrain.friction) {
-            return false; // out of the friction cone
-        }
         let ankle = place.plant.ankle;
-        let outline = self.sole.outline().map(|corner| DVec2::new(ankle.x, ankle.z) + corner);
+        let slips = place.plant.normal.y < 1.0 / real::hypot(1.0, terrain.friction); // out of the friction cone
+        if slips || self.by.is_some_and(|other| (ankle.y - other.ankle.y).abs() > RISE * leg) {
+            return false;
+        }
         let [low, high] = [WALLS[0], WALLS[1] * leg];
-        let lift = |at: DVec2, height: f64| DVec3::new(at.x, ankle.y + height, at.y);
-        let clear = (0..4).all(|side| {
-            let (here, next, over) = (outline[side], outline[(side + 1) % 4], outline[(side + 2) % 4]);
-            let free = |to: DVec2, height: f64| terrain.wall(lift(here, height), lift(to, height)).is_none();
-            free(next, low) && (side > 1 || free(over, low) && free(over, high))
+        let reached = self.by.is_none_or(|other| {
+            let height = other.ankle.y.max(ankle.y) + high;
+            let from = DVec3::new(other.ankle.x, height, other.ankle.z);
+            terrain.wall(from, DVec3::new(ankle.x, height, ankle.z)).is_none()
         });
-        clear
-            && self.by.is_none_or(|other| {
-                let height = other.ankle.y.max(ankle.y) + high;
-                let from = DVec3::new(other.ankle.x, height, other.ankle.z);
-                let steps = (ankle.y - other.ankle.y).abs() <= RISE * leg;
-                steps && terrain.wall(from, DVec3::new(ankle.x, height, ankle.z)).is_none()
+        let outline = self.sole.outline().map(|corner| DVec2::new(ankle.x, ankle.z) + corner);
+        let lift = |at: DVec2, height: f64| DVec3::new(at.x, ankle.y + height, at.y);
+        reached
+            && (0..4).all(|side| {
+                let (here, next, over) = (outline[side], outline[(side + 1) % 4], outline[(side + 2) % 4]);
+                let free = |to: DVec2, height: f64| terrain.wall(lift(here, height), lift(to, height)).is_none();
+                free(next, low) && (side > 1 || free(over, low) && free(over, high))
             })
     }
 
@@ -121,33 +136,35 @@ impl Ground<'_> {
             return Ok(*found);
         }
         let size = self.physique.leg_length / Physique::REFERENCE.leg_length;
-        let mut best: Option<(f64, Place)> = None;
-        // Walls are asked about only where the answer counts.
-        let mut keep = |found: Place, moved: f64| {
-            let worth = found.held - DEARER * moved / size;
-            let most = best.as_ref().map_or(f64::NEG_INFINITY, |known| known.0 + 1e-9);
-            if worth + 1.0 > most {
-                let worth = worth + f64::from(u8::from(self.is_free(&found)));
-                if worth > most {
-                    best = Some((worth, found));
-                }
+        // Less is asked where the answer does not count.
+        let most = |best: &Option<(f64, Place)>| best.as_ref().map_or(f64::NEG_INFINITY, |known| known.0 + 1e-9);
+        let dear = |moved: f64| DEARER * moved / size;
+        let better = |best: Option<(f64, Place)>, found: Place, moved: f64| {
+            let worth = found.held - dear(moved);
+            if worth + 1.0 <= most(&best) {
+                return best;
             }
+            let worth = worth + f64::from(u8::from(self.is_free(&found)));
+            if worth > most(&best) { Some((worth, found)) } else { best }
         };
-        if let Some(found) = first {
-            keep(found, 0.0);
-        }
+        let mut best = first.and_then(|found| better(None, found, 0.0));
         let ring = RING * size;
         for number in 1..=(FARTHEST / RING) as usize {
             for direction in 0..DIRECTIONS {
                 let (sine, cosine) = real::sin_cos(std::f64::consts::TAU * direction as f64 / DIRECTIONS as f64);
                 let way = DVec2::new(sine, cosine);
                 let at = ankle + way * (ring * number as f64);
+                let moved = at.distance(ankle);
+                let may_be_good = self.may_lie(at);
+                if !self.steps_to(at) || !may_be_good && 2.0 - dear(moved) <= most(&best) {
+                    continue;
+                }
                 let Some(found) = self.place(at) else { continue };
-                if good(&found) {
+                if may_be_good && good(&found) {
                     let look = |at: DVec2| self.place(at).filter(good);
                     return Ok(nearer(&look, ankle, way, [ring * (number - 1) as f64, ring * number as f64], found));
                 }
-                keep(found, at.distance(ankle));
+                best = better(best, found, moved);
             }
         }
         Err(best.map(|(_, place)| place))
