@@ -4,7 +4,7 @@
 //! that leans far: so the heel behind rises until that foot stands on its ball, the trunk leans ahead, and the body has risen before the foot
 //! behind leaves. Scenario space, metres, radians.
 
-use super::climb::{BESIDE, EDGE, ROOM, STRIDE, tread};
+use super::climb::{BESIDE, EDGE, Flight, ROOM, STRIDE, floor, tread};
 use super::gait::Rhythm;
 use super::{Params, Physique, Plant, State, climb, ground, kerb, pace};
 use crate::maths::curve::smooth3;
@@ -70,7 +70,7 @@ fn onto(params: &Params, physique: &Physique, terrain: &Terrain, stance: &Plant)
     if edge.is_infinite() {
         return None;
     }
-    let [next, end] = terrain.floor(edge + EDGE).unwrap_or([edge, f64::INFINITY]);
+    let [next, end] = floor(terrain, stance.ankle.x, edge);
     let (low, high) = (next - rear, end - front);
     let far = stance.ankle.z + LONGEST * params.size.max(SHORT);
     let least = low - OVERHANGS * (physique.tip - physique.heel);
@@ -90,7 +90,8 @@ pub(super) fn approached(
 ) -> Option<f64> {
     let stance = &state.feet[side.other() as usize];
     let usual = (pace::aimed(state) * rhythm.step).y;
-    if !climb::climbed(params, terrain) || terrain.is_flight_down() || usual < kerb::SLOW * params.size {
+    let up = climb::flight(params, physique, terrain, stance) == Some(Flight::Up);
+    if !up || usual < kerb::SLOW * params.size {
         return None;
     }
     let at = stance.ankle.z;
@@ -116,7 +117,7 @@ pub(super) fn rise_ahead(physique: &Physique, terrain: &Terrain, state: &State) 
     if edge - foot.ankle.z > 2.0 * STRIDE {
         return 0.0;
     }
-    let height = |z: f64| terrain.spot(DVec2::new(0.0, z)).height;
+    let height = |z: f64| terrain.spot(DVec2::new(foot.ankle.x, z)).height;
     (height(edge + EDGE) - height(edge - EDGE)).max(0.0)
 }
 

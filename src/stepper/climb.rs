@@ -16,6 +16,10 @@ use glam::DVec2;
 
 /// m: a single step up to here is for the gait ([`kerb`]).
 const KERB: f64 = 0.1;
+/// Part of the leg, the highest step of a mesh that is climbed; m of the reference body, deeper floors are no treads of one flight.
+const HIGHEST: f64 = 0.3;
+/// As [`HIGHEST`] says.
+const DEEP: f64 = 0.6;
 /// m of the reference body: a walk ends so near to the first edge, of a flight up and of one down.
 const NEAR: [f64; 2] = [1.0, 0.5];
 /// m of the reference body, a step towards a tread that is out of reach.
@@ -120,17 +124,47 @@ pub(super) struct Scene<'a> {
     pub(super) over: DVec2,
 }
 
-/// Is that ground climbed one tread at a time?
-pub(super) fn climbed(params: &Params, terrain: &Terrain) -> bool {
-    let steps =
-        matches!(terrain.kind, GroundKind::Stairs { rise, count, .. } if rise.abs() > KERB || rise != 0.0 && count > 1);
-    params.fits && steps
+/// Which way steps go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Flight {
+    Up,
+    Down,
+}
+
+/// Which way the steps before a foot go, where they are climbed one at a time: stairs by name, and on a mesh level floors at different
+/// heights, one after the other along z.
+pub(super) fn flight(params: &Params, physique: &Physique, terrain: &Terrain, foot: &Plant) -> Option<Flight> {
+    let rise = match terrain.kind {
+        _ if !params.fits => return None,
+        GroundKind::Stairs { rise, count, .. } => Some(rise).filter(|rise| rise.abs() > KERB || *rise != 0.0 && count > 1),
+        GroundKind::Mesh { .. } => {
+            let x = foot.ankle.x;
+            let edge = tread(terrain, physique, foot)[1];
+            let next = floor(terrain, x, edge)[1];
+            let rise = step(terrain, x, edge)?;
+            let goes_on = || next - edge < DEEP * params.size && step(terrain, x, next).is_some_and(|next| next * rise > 0.0);
+            (rise.abs() <= HIGHEST * physique.leg_length && (rise.abs() > KERB || goes_on())).then_some(rise)
+        }
+        _ => None,
+    }?;
+    Some(if rise < 0.0 { Flight::Down } else { Flight::Up })
+}
+
+/// m, how much higher the floor beyond an edge along z is than the one before it; `None` where there is no edge or no level floor.
+fn step(terrain: &Terrain, x: f64, edge: f64) -> Option<f64> {
+    let level = |z: f64| terrain.level_at(DVec2::new(x, z));
+    Some(level(edge + EDGE)? - level(edge - EDGE)?).filter(|_| edge.is_finite())
+}
+
+/// m, from where to where along z the floor reaches that begins at an edge.
+pub(super) fn floor(terrain: &Terrain, x: f64, edge: f64) -> [f64; 2] {
+    terrain.floor_at(DVec2::new(x, edge + EDGE)).unwrap_or([edge, f64::INFINITY])
 }
 
 /// m, from where to where the tread reaches that a foot stands on.
 pub(super) fn tread(terrain: &Terrain, physique: &Physique, foot: &Plant) -> [f64; 2] {
-    let found = terrain.floor(foot.ankle.z + 0.5 * (physique.heel + physique.tip));
-    found.unwrap_or([f64::NEG_INFINITY, f64::INFINITY])
+    let middle = DVec2::new(foot.ankle.x, foot.ankle.z + 0.5 * (physique.heel + physique.tip));
+    terrain.floor_at(middle).unwrap_or([f64::NEG_INFINITY, f64::INFINITY])
 }
 
 /// Does it go straight at the steps?
@@ -138,51 +172,59 @@ fn straight(state: &State, inputs: &Inputs) -> bool {
     inputs.walk.is_some_and(|walk| walk.y > 0.0 && walk.x.abs() < 0.1 * walk.y) && state.ahead.y > 0.9
 }
 
-/// Is an edge near before the foremost foot of who goes to it?
-fn near(params: &Params, physique: &Physique, terrain: &Terrain, state: &State, inputs: &Inputs) -> bool {
+/// The flight of which an edge is near before the foremost foot of who goes to it.
+fn near(params: &Params, physique: &Physique, terrain: &Terrain, state: &State, inputs: &Inputs) -> Option<Flight> {
     let [left, right] = &state.feet;
     let foot = if left.ankle.z > right.ankle.z { left } else { right };
-    climbed(params, terrain)
-        && straight(state, inputs)
-        && tread(terrain, physique, foot)[1] - foot.ankle.z < NEAR[usize::from(terrain.is_flight_down())] * params.size
+    let flight = flight(params, physique, terrain, foot).filter(|_| straight(state, inputs))?;
+    let least = NEAR[usize::from(flight == Flight::Down)] * params.size;
+    (tread(terrain, physique, foot)[1] - foot.ankle.z < least).then_some(flight)
 }
 
 /// What the gait is told: to end before a flight.
 pub fn ended(params: &Params, physique: &Physique, terrain: &Terrain, state: &State, inputs: &Inputs) -> Inputs {
-    let ends = terrain.is_flight_down() && near(params, physique, terrain, state, inputs);
+    let ends = near(params, physique, terrain, state, inputs) == Some(Flight::Down);
     Inputs { walk: inputs.walk.filter(|_| !ends), ..*inputs }
 }
 
 /// Is it on a flight? Takes over from a walk that has ended before one, and gives back where both feet are at its end.
 pub fn goes(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut State, inputs: &Inputs) -> bool {
-    if !climbed(params, terrain) || state.climb.on && state.swing.is_some() {
-        return state.climb.on;
+    if state.climb.on && state.swing.is_some() {
+        return true;
     }
     let slow = state.velocity.length() < STOPPED * params.size / params.tempo;
     if state.climb.on {
         let [left, right] = &state.feet;
         let together = left.ankle.y == right.ankle.y && (left.ankle.z - right.ankle.z).abs() < BESIDE * params.size;
-        let done = tread(terrain, physique, left)[1].is_infinite() || !straight(state, inputs);
+        let done = ends(params, physique, terrain, &state.climb, left) || !straight(state, inputs);
         if together && done && slow {
             state.climb = Climb::default();
             state.gait = Gait::still(state.gait.side);
         }
         return state.climb.on;
     }
-    let walks = state.swing.is_none() && state.gait.phase == Phase::Double && !terrain.is_flight_down();
-    if walks && near(params, physique, terrain, state, inputs) && ascend::begins(params, physique, terrain, state) {
+    let Some(flight) = near(params, physique, terrain, state, inputs) else { return false };
+    let down = flight == Flight::Down;
+    let walks = state.swing.is_none() && state.gait.phase == Phase::Double && !down;
+    if walks && ascend::begins(params, physique, terrain, state) {
         let speed = (state.xi() - state.cop) * state.omega();
         state.climb = Climb { on: true, from: state.xi(), since: state.time, speed, ..Climb::default() };
         return true;
     }
     let level = (state.feet[0].ankle.z - state.feet[1].ankle.z).abs() < BESIDE * params.size;
-    let stood = level || terrain.is_flight_down() || state.calm > STOOD * params.tempo;
+    let stood = level || down || state.calm > STOOD * params.tempo;
     let stands = state.swing.is_none() && state.gait.phase == Phase::Rest && slow && stood;
-    if stands && state.outline.outside(state.xi()) < -params.margin && near(params, physique, terrain, state, inputs) {
-        let down = terrain.is_flight_down();
+    if stands && state.outline.outside(state.xi()) < -params.margin {
         state.climb = Climb { on: true, down, from: state.xi(), since: state.time, ..Climb::default() };
     }
     state.climb.on
+}
+
+/// Is that foot at the end of the flight?
+fn ends(params: &Params, physique: &Physique, terrain: &Terrain, climb: &Climb, foot: &Plant) -> bool {
+    let edge = tread(terrain, physique, foot)[1];
+    let far = terrain.is_mesh() && edge - foot.ankle.z > NEAR[usize::from(climb.down)] * params.size;
+    edge.is_infinite() || far || flight(params, physique, terrain, foot) != Some(if climb.down { Flight::Down } else { Flight::Up })
 }
 
 /// Who is off its way leaves it, and the step in the air, to the body's own law, and goes on from where that brought it.

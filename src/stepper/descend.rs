@@ -4,7 +4,7 @@
 //! at the edge, the toes over it, and ξ is over it before; then the body goes ahead and down until the other foot stands on the tread below.
 //! Scenario space, metres, seconds.
 
-use super::climb::{EDGE, ROOM, STRIDE, tread};
+use super::climb::{EDGE, ROOM, STRIDE, floor, tread};
 use super::support::Tread;
 use super::{Params, Physique, Plant, State, Support, Swing, ascend, ground, support};
 use crate::maths::curve::smooth3;
@@ -83,7 +83,7 @@ pub fn place(params: &Params, physique: &Physique, terrain: &Terrain, state: &St
     if above(state, side) || trails(params, state, side) {
         return stance.ankle.z;
     }
-    let [next, end] = terrain.floor(edge + EDGE).unwrap_or([edge, f64::INFINITY]);
+    let [next, end] = floor(terrain, stance.ankle.x, edge);
     (next - physique.heel + EDGE + ROOM * params.size).min(brink(params, physique, end).max(next))
 }
 
