@@ -193,7 +193,8 @@ impl Surface {
         let size = DVec2::new(self.high.x - self.low.x, self.high.z - self.low.z);
         let area = size.x.max(0.01) * size.y.max(0.01);
         let least = (area / MOST_CELLS).sqrt();
-        let sided = |wanted: f64| wanted.max(least).clamp(CELLS[0], CELLS[1]).max((size.max_element() / 30_000.0).max(1e-3));
+        let sided =
+            |wanted: f64| wanted.max(least).clamp(CELLS[0], CELLS[1]).max((size.max_element() / 30_000.0).max(1e-3));
         let two = sided((area / self.corners.len() as f64 * 2.0).sqrt());
         self.cell = sided(FINE).min(two);
         while self.cell < two {

@@ -179,7 +179,8 @@ impl Controller {
         let turn = DQuat::from_rotation_y(yaw);
         let span = figure.soles[side as usize].iter().map(|corner| (turn * *corner).z);
         let [rear, front] = span.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)]);
-        let Some([from, to]) = terrain.floor(ankle.y + 0.5 * (rear + front)) else { return ankle };
+        let middle = ankle + DVec2::Y * (0.5 * (rear + front));
+        let Some([from, to]) = terrain.floor_at(middle) else { return ankle };
         let (low, high) = (from - rear + EDGE * self.size, to - front - EDGE * self.size);
         DVec2::new(ankle.x, if low <= high { ankle.y.clamp(low, high) } else { 0.5 * (low + high) })
     }
@@ -192,7 +193,7 @@ impl Controller {
         swing.yaw += turns;
         swing.spin = if self.guide.is_some_and(|guide| guide.spot) { turns / dt } else { 0.0 };
         let stands = swing.target - self.ahead(swing.side, swing.yaw);
-        let stands = if self.guided || !terrain.has_gaps() && !terrain.has_treads() {
+        let stands = if self.guided || !terrain.has_edges() {
             stands
         } else {
             self.off_edges(figure, terrain, swing.side, stands, swing.yaw)

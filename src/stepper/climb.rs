@@ -17,7 +17,7 @@ use glam::DVec2;
 /// m: a single step up to here is for the gait ([`kerb`]).
 const KERB: f64 = 0.1;
 /// Part of the leg, the highest step of a mesh that is climbed; m of the reference body, deeper floors are no treads of one flight.
-const HIGHEST: f64 = 0.3;
+pub(super) const HIGHEST: f64 = 0.3;
 /// As [`HIGHEST`] says.
 const DEEP: f64 = 0.6;
 /// m of the reference body: a walk ends so near to the first edge, of a flight up and of one down.
@@ -30,6 +30,8 @@ pub(super) const EDGE: f64 = 0.01;
 pub(super) const ROOM: f64 = 0.02;
 /// m of the reference body: feet no farther apart along the way stand beside each other.
 pub(super) const BESIDE: f64 = 0.06;
+/// m: feet whose heights differ by less stand on one floor.
+const LEVEL: f64 = 0.001;
 /// Times the walk's, how far apart the feet are across: as near as in a walk, legs come within 12 cm of each other.
 const WIDER: f64 = 1.15;
 /// More of a sole over which ξ is held for each metre (of the reference body) of a rise: knees that bend for it lean shanks ahead.
@@ -136,14 +138,19 @@ pub(super) enum Flight {
 pub(super) fn flight(params: &Params, physique: &Physique, terrain: &Terrain, foot: &Plant) -> Option<Flight> {
     let rise = match terrain.kind {
         _ if !params.fits => return None,
-        GroundKind::Stairs { rise, count, .. } => Some(rise).filter(|rise| rise.abs() > KERB || *rise != 0.0 && count > 1),
+        GroundKind::Stairs { rise, count, .. } => {
+            Some(rise).filter(|rise| rise.abs() > KERB || *rise != 0.0 && count > 1)
+        }
         GroundKind::Mesh { .. } => {
             let x = foot.ankle.x;
             let edge = tread(terrain, physique, foot)[1];
             let next = floor(terrain, x, edge)[1];
             let rise = step(terrain, x, edge)?;
-            let goes_on = || next - edge < DEEP * params.size && step(terrain, x, next).is_some_and(|next| next * rise > 0.0);
-            (rise.abs() <= HIGHEST * physique.leg_length && (rise.abs() > KERB || goes_on())).then_some(rise)
+            let goes_on =
+                || next - edge < DEEP * params.size && step(terrain, x, next).is_some_and(|next| next * rise > 0.0);
+            let steep = rise.abs() > KERB;
+            let bends = params.balls.is_some() || rise > 0.0 && !steep;
+            (bends && rise.abs() <= HIGHEST * physique.leg_length && (steep || goes_on())).then_some(rise)
         }
         _ => None,
     }?;
@@ -195,7 +202,8 @@ pub fn goes(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut
     let slow = state.velocity.length() < STOPPED * params.size / params.tempo;
     if state.climb.on {
         let [left, right] = &state.feet;
-        let together = left.ankle.y == right.ankle.y && (left.ankle.z - right.ankle.z).abs() < BESIDE * params.size;
+        let together =
+            (left.ankle.y - right.ankle.y).abs() < LEVEL && (left.ankle.z - right.ankle.z).abs() < BESIDE * params.size;
         let done = ends(params, physique, terrain, &state.climb, left) || !straight(state, inputs);
         if together && done && slow {
             state.climb = Climb::default();
@@ -224,7 +232,9 @@ pub fn goes(params: &Params, physique: &Physique, terrain: &Terrain, state: &mut
 fn ends(params: &Params, physique: &Physique, terrain: &Terrain, climb: &Climb, foot: &Plant) -> bool {
     let edge = tread(terrain, physique, foot)[1];
     let far = terrain.is_mesh() && edge - foot.ankle.z > NEAR[usize::from(climb.down)] * params.size;
-    edge.is_infinite() || far || flight(params, physique, terrain, foot) != Some(if climb.down { Flight::Down } else { Flight::Up })
+    edge.is_infinite()
+        || far
+        || flight(params, physique, terrain, foot) != Some(if climb.down { Flight::Down } else { Flight::Up })
 }
 
 /// Who is off its way leaves it, and the step in the air, to the body's own law, and goes on from where that brought it.

@@ -107,6 +107,11 @@ pub fn beneath(terrain: &Terrain, physique: &Physique, ankle: DVec3, (yaw, time)
             plant
         }
         _ => {
+            if terrain.is_mesh()
+                && let Some(plant) = mesh::beneath(terrain, physique, ankle, yaw)
+            {
+                return plant;
+            }
             let normal = terrain.spot_under(ankle, 0.0).normal;
             let point = ankle - normal * physique.ankle_height;
             let spot = terrain.spot_under(DVec3::new(point.x, ankle.y, point.z), 0.0);

@@ -3,7 +3,7 @@
 //!
 //! What lies in the way is found by asking: the ground's height under the points of a sole, and walls across lines. Nothing is remembered.
 
-use super::{Params, Physique, Plant, support};
+use super::{Params, Physique, Plant, climb, support};
 use crate::maths::real;
 use crate::model::{Spot, Terrain};
 use glam::{DVec2, DVec3};
@@ -35,6 +35,8 @@ const NEIGHBOURS: f64 = 0.9;
 const BESIDE: f64 = 0.12;
 /// m: ground that is no farther below a sole bears it as it rocks: where a ramp of 12 degrees begins or ends under its middle.
 const ROCKS: f64 = 0.03;
+/// m of the reference body: ground that is no higher over a sole may bear it.
+const BESIDE_SOLE: f64 = 0.03;
 /// m of the reference body: so much free way is looked for, so much is kept before what is in it, and a gap so wide is stepped over.
 const LOOK: f64 = 2.4;
 const KEPT: f64 = 0.50;
@@ -269,9 +271,9 @@ pub fn beside_edge(terrain: &Terrain, size: f64, place: DVec2, way: DVec2) -> f6
 pub fn broken(terrain: &Terrain, physique: &Physique, by: &Plant, ankle: DVec2, yaw: f64) -> bool {
     let ground = Ground { terrain, physique, by: Some(by), sole: Sole::new(physique, yaw, EDGE), yaw };
     let ahead = support::forward(yaw) * (BESIDE * physique.leg_length);
-    [-1.0, 0.0, 1.0].into_iter().any(|share| {
-        ground.place(ankle + ahead * share).is_none_or(|there| !rocks(&there) || !ground.is_free(&there))
-    })
+    [-1.0, 0.0, 1.0]
+        .into_iter()
+        .any(|share| ground.place(ankle + ahead * share).is_none_or(|there| !rocks(&there) || !ground.is_free(&there)))
 }
 
 /// A foot at exactly that place, where a whole sole lies there and a leg steps there from the other foot.
@@ -285,6 +287,14 @@ pub fn lying(terrain: &Terrain, physique: &Physique, by: &Plant, ankle: DVec2, y
 pub fn stood(terrain: &Terrain, physique: &Physique, ankle: DVec2, yaw: f64) -> Plant {
     let ground = Ground { terrain, physique, by: None, sole: Sole::new(physique, yaw, 0.0), yaw };
     ground.place(ankle).map_or_else(|| nowhere(None, ankle, yaw), |there| there.plant)
+}
+
+/// The ground that bears the sole of a foot whose ankle is there, m: what rises higher beside it does not.
+pub fn beneath(terrain: &Terrain, physique: &Physique, ankle: DVec3, yaw: f64) -> Option<Plant> {
+    let sole = Sole::new(physique, yaw, 0.0);
+    let ceiling = ankle.y - physique.ankle_height + BESIDE_SOLE * physique.leg_length / Physique::REFERENCE.leg_length;
+    let lie = terrain.lie_under(DVec2::new(ankle.x, ankle.z), &sole.points, ceiling)?;
+    Some(Plant { ankle: DVec3::new(ankle.x, lie.height, ankle.z), yaw, normal: lie.normal })
 }
 
 /// m along a way, where between two places the ground goes past a height.
@@ -307,6 +317,7 @@ fn grade(spot: &Spot, way: DVec2) -> f64 {
 pub fn free(terrain: &Terrain, params: &Params, leg: f64, place: DVec2, way: DVec2) -> f64 {
     let way = way.normalize_or_zero();
     let look = LOOK * params.size;
+    let most = if params.fits { climb::HIGHEST } else { RISE } * leg;
     let here = terrain.spot(place);
     let mut last = here; // the last ground that a foot could be on
     let mut lacking = 0.0;
@@ -319,7 +330,7 @@ pub fn free(terrain: &Terrain, params: &Params, leg: f64, place: DVec2, way: DVe
             let [from, to] = [at, next].map(|at| place + way * at);
             terrain.wall(DVec3::new(from.x, over, from.y), DVec3::new(to.x, over, to.y)).is_some()
         };
-        let stands = spot.holds && last.holds && (spot.height - last.height).abs() <= RISE * leg;
+        let stands = spot.holds && last.holds && (spot.height - last.height).abs() <= most;
         if walled {
             return (at - KEPT * params.size).max(0.0);
         }

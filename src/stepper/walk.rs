@@ -137,6 +137,7 @@ pub fn steer(params: &Params, physique: &Physique, terrain: &Terrain, state: &mu
     let mut slowest = footing::STAIR_STEP;
     if params.fits && terrain.is_mesh() {
         gait.longest = mesh::beside_edge(terrain, params.size, ground(state.com), state.ahead);
+        gait.timed = gait.longest.is_finite();
     }
     if params.fits && gait.longest.is_finite() {
         (gait.longest, slowest) = (kerb::STRIDE, kerb::SLOWEST);
