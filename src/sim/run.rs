@@ -40,6 +40,10 @@ const SETS_OUT: f64 = 0.6;
 const LOWERS: f64 = 0.6;
 /// s, for which nothing has been asked of who goes back to a stance, and no plan has led him, before he does.
 const DONE: f64 = 0.3;
+/// s at legs of 0.83 m after a push, for which the arms of who is not home fight for his balance.
+const STRUCK: f64 = 2.0;
+/// rad: an arm that a clip holds so far from how it hangs does not swing.
+const HELD: f64 = 0.5;
 
 /// What does not change in a run.
 pub(super) struct Course<'a> {
@@ -113,7 +117,8 @@ pub(super) struct Run {
     pushed: f64,        // s, when something last pushed it
     faces: Option<f64>, // rad, where it was asked to face lately
     asked: f64,         // s, for how long nothing has been asked of it
-    natural: f64,       // 0 at ease as it is told, 1 fighting for its balance in the natural stand
+    natural: f64,       // 0 at ease as it is told, 1 on its legs as in the natural stand
+    fights: f64,        // the same of its arms, which fight for its balance only if something pushes it
 }
 
 /// What a tick knows before the world goes on.
@@ -191,6 +196,7 @@ impl Run {
             faces: None,
             asked: DONE,
             natural: 0.0,
+            fights: 0.0,
         })
     }
 
@@ -385,10 +391,15 @@ impl Run {
         }
     }
 
+    /// How far it walks, 0 to 1.
+    fn walks(&self) -> f64 {
+        let speed = self.pilot.gait().map_or(0.0, |(_, velocity)| velocity.length());
+        (speed / 0.5).min(1.0)
+    }
+
     /// The arms of a walker hang, a little bent, and leave the swing to the gait.
     fn at_walk(&self, arms: [ArmAngles; 2]) -> [ArmAngles; 2] {
-        let speed = self.pilot.gait().map_or(0.0, |(_, velocity)| velocity.length());
-        let share = (speed / 0.5).min(1.0);
+        let share = self.walks();
         let hang = relaxed_arms();
         let mix = |a: f64, b: f64| a + (b - a) * share;
         arms.map(|arm| ArmAngles {
@@ -406,34 +417,45 @@ impl Run {
         let (figure, (pose, com)) = (course.figure, (ease.goal)(time));
         let [dt, tempo] = [self.world.dt, self.control.tempo()];
         // Who only sways stays as he is: to rise out of a crouch in that time would throw him.
-        let left = self.control.stance.as_ref().is_some_and(|stance| stance.left);
-        let over = match self.control.is_home(figure) {
+        let led = self.control.stance.as_ref().is_some_and(|stance| stance.left) && self.goes();
+        let home = self.control.is_home(figure);
+        let over = match home {
             true => -CALMS,
-            false if left && self.goes() => SETS_OUT,
+            false if led => SETS_OUT,
             false => FIGHTS,
         };
         self.natural = (self.natural + dt / (over * tempo)).clamp(0.0, 1.0);
-        let share = smooth3(self.natural);
-        let mut placed = figure.placed(course.body, &pose);
+        // Who goes where he is asked to, or back, goes on with what the clip does with his arms.
+        let fights = !home && !led && time - self.pushed < STRUCK * tempo;
+        let over = if fights { FIGHTS } else { -CALMS };
+        self.fights = (self.fights + dt / (over * tempo)).clamp(0.0, 1.0);
+        let [share, upper] = [self.natural, self.fights].map(smooth3);
+        let walks = self.walks();
+        let clip = figure.placed(course.body, &pose);
         let natural = figure.placed(course.body, &ease.natural);
-        let height = placed[0].0.y + (natural[0].0.y - placed[0].0.y) * share;
-        for (own, natural) in placed.iter_mut().zip(&natural) {
-            own.1 = own.1.slerp(natural.1, share);
-        }
+        let height = clip[0].0.y + (natural[0].0.y - clip[0].0.y) * share;
+        let pelvis = clip[0].1.slerp(natural[0].1, share);
         for (index, link) in figure.links.iter().enumerate() {
             let Some(parent) = link.parent else { continue };
-            let own = placed[parent].1.inverse() * placed[index].1;
+            let local = |placed: &[(DVec3, DQuat)]| placed[parent].1.inverse() * placed[index].1;
+            let [own, wanted] = [&clip, &natural].map(|placed| local(placed));
             match link.part {
                 Part::UpperArm(_) | Part::Forearm(_) => {
-                    self.control.posture[index] *= own;
+                    let own = own.slerp(wanted, upper);
+                    let held = walks * smooth3(own.angle_between(wanted) / HELD);
+                    self.control.posture[index] = self.control.posture[index].slerp(DQuat::IDENTITY, held) * own;
                 }
-                Part::Trunk | Part::Head | Part::Hand(_) => self.control.posture[index] = own,
+                Part::Hand(_) => self.control.posture[index] = own.slerp(wanted, upper),
+                Part::Trunk | Part::Head => {
+                    let [own, above] = [index, parent].map(|link| clip[link].1.slerp(natural[link].1, share));
+                    self.control.posture[index] = above.inverse() * own;
+                }
                 _ => {}
             }
         }
         if let Some(stance) = &mut self.control.stance {
             stance.rest_at(com, 1.0 - share);
-            (stance.pelvis, stance.higher) = (placed[0].1, height - figure.links[0].anchor.y);
+            (stance.pelvis, stance.higher) = (pelvis, height - figure.links[0].anchor.y);
         }
     }
 
