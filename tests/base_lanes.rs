@@ -11,6 +11,7 @@ use surefoot::bake::{BakeOptions, Baked, Base, Drive, Helped, bake};
 use surefoot::maths::seed::Seed;
 use surefoot::mocap;
 use surefoot::model::Role;
+use surefoot::model::pose::BodyPose;
 use surefoot::model::report::Outcome;
 use surefoot::model::scenario::{self, Carry, Direction, Feet, Push, Scenario, Stand, Turn, Walk};
 use surefoot::ragdoll::control::Assist;
@@ -151,6 +152,34 @@ fn the_body_walks_turns_and_stands_on_one_foot_out_of_a_stand() {
     // goal: none
     assert!(falls <= 1, "{falls} who are shoved fall");
     assert!(back as f64 >= BACK * played.len() as f64, "{back} of {}", played.len());
+}
+
+/// Degrees: as far may an upper arm be turned against the chest from how the clip has it, of who goes and is not pushed: an aim holds.
+const ARMS: f64 = 45.0;
+
+#[test]
+fn arms_stay_as_the_clip_has_them_while_the_body_turns_and_goes_back() {
+    let mut draw = Seed::new(7300);
+    // An aim, which each of the rigs takes.
+    for index in [4, 9, 14, 19] {
+        let facing = draw.between(50.0, 130.0_f64).to_radians() * [1.0, -1.0][index % 2];
+        let scenario = Scenario { turn: vec![Turn { start: 1.5, duration: None, facing }], ..over() };
+        let (rig, base) = stand(index, &scenario);
+        let what = format!("{} on {}, turned by {:.0}", base.name, RIGS[index % RIGS.len()], facing.to_degrees());
+        let baked = play(&rig, &scenario, base, Drive::Ragdoll(Helped::Within(Assist::default())));
+        let run = &baked.performance.articulated.as_ref().expect("the body played").run;
+        let chest = rig.body.joint(Role::Chest).or(rig.body.joint(Role::Spine)).expect("a chest");
+        let farthest = [Role::LeftUpperArm, Role::RightUpperArm].map(|role| {
+            let arm = rig.body.joint(role).expect("an arm");
+            let against = |pose: &BodyPose| pose.turns[chest].inverse() * pose.turns[arm];
+            let first = against(&run.poses[0]);
+            let far = run.poses.iter().map(|pose| first.angle_between(against(pose)).to_degrees());
+            far.fold(0.0, f64::max)
+        });
+        println!("{what}: {farthest:.0?} degrees");
+        assert!(baked.report.outcome != Outcome::Fall, "{what}");
+        assert!(farthest.iter().all(|far| *far < ARMS), "{what}: {farthest:?} degrees");
+    }
 }
 
 #[test]
