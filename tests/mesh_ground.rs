@@ -279,6 +279,11 @@ fn shoves_beside_ledges_and_kerbs_end_on_whole_soles() {
     assert!(wrongs.is_empty(), "{}", wrongs.join("\n"));
 }
 
+/// Is it told that something is in the way of the walk?
+pub fn says_it_stops(baked: &Baked) -> bool {
+    baked.warnings.iter().any(|one| one.starts_with("the walk stops at "))
+}
+
 #[test]
 fn a_walk_stops_before_a_wall_and_before_a_cliff() {
     let rig = builtin();
@@ -290,6 +295,7 @@ fn a_walk_stops_before_a_wall_and_before_a_cliff() {
         assert!(wrong.is_empty(), "{wrong:?}");
         let far = baked.performance.timeline.com.iter().map(|com| com.z).fold(0.0, f64::max);
         assert!((1.2..2.4).contains(&far), "{name}: it comes to {far:.2} m, the end is at 2.5 m");
+        assert!(says_it_stops(&baked), "{name}: {:?}", baked.warnings);
     }
 }
 

@@ -91,9 +91,31 @@ pub(super) fn strayed(scenario: &Scenario, performance: &Performance) -> Option<
         _ if asked > most + 0.005 => {
             Some(format!("on legs of {leg:.2} m the ragdoll walks at most {most:.2} m/s, not {asked:.2}"))
         }
+        Stroll::Slower(..) if stopped(scenario, performance).is_some() => None,
         Stroll::Slower(got, wanted) => Some(format!("the ragdoll walks at {got:.2} m/s, not {wanted:.2}")),
         Stroll::AsTold | Stroll::Never => too_high(scenario, performance),
     }
+}
+
+/// s: a way that is barred for so long before a walk ends was not free any more.
+const BARRED: f64 = 0.5;
+
+/// Where a walk ends early since something of the ground is in its way that no step crosses, for a person.
+pub(super) fn stopped(scenario: &Scenario, performance: &Performance) -> Option<String> {
+    let trace = &performance.trace;
+    let script = Script::of(scenario, Vec::new());
+    let walks = |time: f64| script.intent(time).walk.is_some_and(|walk| walk.length() > 0.0);
+    let time = |index: usize| index as f64 * trace.dt;
+    let until = trace.ticks.iter().enumerate().take_while(|(index, _)| time(*index) <= scenario.duration);
+    let asked: Vec<usize> = until.filter(|(index, _)| walks(time(*index))).map(|(index, _)| index).collect();
+    let from = *asked.iter().rev().take_while(|index| trace.ticks[**index].barred).last()?;
+    let com = trace.ticks[from].com;
+    (time(*asked.last()?) - time(from) >= BARRED).then(|| {
+        format!(
+            "the walk stops at {:.1} s, at ({:.1}, {:.1}) m of (x, z): a wall, a drop, or a step that is too high for the legs is in its way",
+            time(from), com.x, com.z
+        )
+    })
 }
 
 /// Who walks goes no lower than his ankles allow, and nobody as low as he is told off level ground.

@@ -207,6 +207,11 @@ impl Pilot {
         state.ahead * (self.lacks.dot(state.ahead) * share * params.tempo)
     }
 
+    /// Is something in its way that no step crosses?
+    pub(super) fn barred(&self) -> bool {
+        self.session.state().gait.barred
+    }
+
     /// Where in the gait it is and what velocity (m/s) it follows, where it leads.
     pub(super) fn gait(&self) -> Option<(Phase, DVec2)> {
         let gait = &self.session.state().gait;

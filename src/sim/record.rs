@@ -271,6 +271,7 @@ pub(super) fn state_of(
         facing: yaw_of(states[figure.trunk].turn),
         walk: DVec2::ZERO,
         gait: Phase::Rest,
+        barred: false,
         crouched: control.lower,
     }
 }

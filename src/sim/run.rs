@@ -235,6 +235,7 @@ impl Run {
         let pushed = (force + hit, moment + hit_moment);
         self.felt = pushed.0;
         let mut state = state_of(course, &self.control, &report, pushed, (report.velocity - before) / dt, &ground);
+        state.barred = self.pilot.barred();
         if let Some((gait, walk)) = self.pilot.gait() {
             (state.gait, state.walk) = (gait, walk);
         }

@@ -348,6 +348,7 @@ fn still(state: &State) -> TickState {
         facing: state.facing,
         walk: state.gait.velocity,
         gait: state.gait.phase,
+        barred: state.gait.barred,
         crouched: 0.0,
     }
 }

@@ -53,6 +53,8 @@ pub struct TickState {
     pub walk: DVec2,
     /// Where in the gait.
     pub gait: Phase,
+    /// Something that no step crosses bars the way that it is to walk.
+    pub barred: bool,
     /// m, by how much a crouch lowers the centre of mass.
     pub crouched: f64,
 }
