@@ -136,3 +136,35 @@ fn the_body_that_is_dragged_lands_elsewhere_by_its_bias() {
     let [none, twice] = [0.0, 0.8].map(way);
     assert!(twice + 0.01 < none, "the foremost foot is {none:.3} m ahead without, {twice:.3} m with twice the bias");
 }
+
+#[test]
+fn a_key_of_the_stepper_changes_the_bodys_clip_or_is_said_to_change_nothing() {
+    let rig = builtin();
+    let lanes = [
+        "duration = 3.0\n[[push]]\nstart = 0.5\nduration = 0.2\nforce = 400\ntoward = 40\n",
+        "duration = 4.0\n[[walk]]\nstart = 0.5\nspeed = 0.6\n[[pull]]\nstart = 1.0\nduration = 3.0\nforce = 60\ntoward = \"back\"\n",
+    ];
+    let keys = [
+        "ankle_feedback = false",
+        "leg_change = false",
+        "support = \"circles\"",
+        "trigger = \"projected\"",
+        "length_bias = 0.0",
+        "pull_bias = 2.0",
+    ];
+    for lane in lanes {
+        let baked = |rest: &str| {
+            let scenario = parse("keys", &format!("{lane}[stepper]\n{rest}\n")).expect("a scenario");
+            let drive = Drive::Ragdoll(Helped::Within(Assist::default()));
+            bake(&rig, &scenario, &BakeOptions { drive, ..BakeOptions::default() }).expect("it bakes")
+        };
+        let usual = baked("");
+        // A trigger makes who stands step: of a walk that nothing shoves it changes nothing.
+        for key in keys.into_iter().filter(|key| lane.contains("[[push]]") || !key.starts_with("trigger")) {
+            let set = baked(key);
+            let name = key.split(' ').next().expect("a key");
+            let told = set.warnings.iter().any(|one| one.starts_with("[stepper]") && one.contains(name));
+            assert_eq!(told, set.clip == usual.clip, "{key} in {lane}: {:?}", set.warnings);
+        }
+    }
+}

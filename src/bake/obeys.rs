@@ -4,7 +4,7 @@ use super::Performance;
 use super::ragdoll::{Stroll, stroll};
 use crate::maths::quat::wrap_angle;
 use crate::model::Side;
-use crate::model::scenario::{Crouch, Feet, GroundKind, Scenario};
+use crate::model::scenario::{Crouch, Feet, GroundKind, Scenario, Stepper};
 use crate::sim::{FASTEST, Script};
 
 /// s at legs of 0.83 m, by when a foot must be up that is not to be stood on: the weight goes over the other one in about one.
@@ -95,6 +95,29 @@ pub(super) fn strayed(scenario: &Scenario, performance: &Performance) -> Option<
         Stroll::Slower(got, wanted) => Some(format!("the ragdoll walks at {got:.2} m/s, not {wanted:.2}")),
         Stroll::AsTold | Stroll::Never => too_high(scenario, performance),
     }
+}
+
+/// What is set of `[stepper]` and changes nothing of an articulated body's run, for a person: nobody leads it, and its own law, which
+/// catches it, has no such dials.
+pub(super) fn unheeded(scenario: &Scenario) -> Option<String> {
+    let led = scenario.walk.iter().any(|walk| walk.speed > 0.0)
+        || !scenario.turn.is_empty()
+        || scenario.stand.iter().any(|stand| stand.on != Feet::Both);
+    let (set, usual) = (scenario.stepper, Stepper::default());
+    let keys = [
+        ("ankle_feedback", set.ankle_feedback != usual.ankle_feedback),
+        ("leg_change", set.leg_change != usual.leg_change),
+        ("support", set.support != usual.support),
+        ("length_bias", set.length_bias != usual.length_bias),
+        ("pull_bias", set.pull_bias != usual.pull_bias),
+    ];
+    let keys: Vec<&str> = keys.into_iter().filter_map(|(key, is)| is.then_some(key)).collect();
+    (!led && !keys.is_empty()).then(|| {
+        format!(
+            "[stepper] {} changes nothing here: the ragdoll catches a shove by a law of its own; `--drive stepper` follows it",
+            keys.join(", ")
+        )
+    })
 }
 
 /// s: a way that is barred for so long before a walk ends was not free any more.

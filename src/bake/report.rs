@@ -380,6 +380,7 @@ fn warnings(input: &ReportInput, outcome: Outcome, fallen: Option<f64>) -> Vec<S
     }
     warnings.extend(slowed(input));
     warnings.extend(obeys::stopped(scenario, performance));
+    warnings.extend(performance.articulated.as_ref().and_then(|_| obeys::unheeded(scenario)));
     let most = most_speed(&performance.physique);
     let wanted = scenario.walk.iter().map(|walk| walk.speed).fold(0.0, f64::max);
     if wanted > most {
