@@ -4,11 +4,13 @@
 
 use crate::mesh_ground::{FLOOR, boxes, says_it_stops, scenario, surface};
 use crate::people::people;
+use glam::DVec3;
 use rayon::prelude::*;
 use surefoot::bake::{BakeOptions, Baked, Drive, Helped, bake};
 use surefoot::maths::seed::Seed;
 use surefoot::model::props::Mesh;
 use surefoot::model::report::Outcome;
+use surefoot::model::scenario::GroundKind;
 use surefoot::ragdoll::control::Assist;
 
 /// Of 1: the scores of each clip, and of all.
@@ -118,4 +120,53 @@ fn the_body_climbs_flights_and_kerbs_of_meshes_by_its_torques() {
     println!("mean score {:.3} up, {:.3} down", mean[0], mean[1]);
     assert!(wrongs.is_empty(), "{wrongs:?}");
     assert!(mean[0] >= 0.9 && mean[1] >= 0.7, "{mean:?}, goal 0.9 both ways");
+}
+
+/// A plane that rises by so many degrees along z, past the height of the usual ceiling.
+fn plane(degrees: f64) -> Mesh {
+    let at = |x: f64, z: f64| DVec3::new(x, z * degrees.to_radians().tan(), z);
+    let mut mesh = Mesh::default();
+    mesh.quad([at(-6.0, -4.0), at(-6.0, 18.0), at(6.0, 18.0), at(6.0, -4.0)]);
+    mesh
+}
+
+/// Of the speed that is asked for, and of 1: what a walk on a slope of a mesh comes to at least, and how much less than on the same slope by name
+/// its score may be in the mean.
+const ON: f64 = 0.85;
+const LESS: f64 = 0.05;
+
+#[test]
+fn a_slope_of_a_mesh_is_walked_by_torques_as_the_same_slope_by_name() {
+    let people = people(&[1.0, 0.7, 1.3], &["m2m_rig_human.glb", "gdquest_mannequiny.glb"]);
+    let clips: Vec<(String, f64, [Baked; 2])> = (0..10_u64)
+        .into_par_iter()
+        .map(|seed| {
+            let mut draw = Seed::new(seed ^ 0x510E);
+            let (rig, legs) = &people[seed as usize % people.len()];
+            let degrees = [1.0, -1.0][(seed / 5) as usize] * draw.between(12.0, 22.0);
+            let speed = draw.between(0.45, 0.7) * (legs * rig.body.leg_length / 0.83).sqrt();
+            let rest = format!(
+                "duration = 12.0\n[character]\nleg_scale = {legs}\n[[walk]]\nstart = 0.5\nspeed = {speed:.2}\n"
+            );
+            let name = format!("{seed}: {degrees:.1} degrees at {speed:.2} m per s, legs {legs}");
+            let drive = Drive::Ragdoll(Helped::Within(Assist::default()));
+            let options = BakeOptions { drive, ..BakeOptions::default() };
+            let mesh = scenario(&name, &rest, &surface(&plane(degrees)));
+            let mut named = mesh.clone();
+            named.ground.kind = GroundKind::Slope { angle: degrees.to_radians() };
+            (name, speed, [mesh, named].map(|scenario| bake(rig, &scenario, &options).expect("it bakes")))
+        })
+        .collect();
+    let mut mean = [0.0; 2];
+    for (name, speed, both) in &clips {
+        let score = both.each_ref().map(|clip| clip.report.plausibility.score);
+        let com = &both[0].performance.timeline.com;
+        let share = (com[com.len() - 1].z - com[0].z) / (11.5 * speed);
+        println!("{name}: {:?}, {share:.2} of the way, {score:.2?}", both[0].report.outcome);
+        mean = [0, 1].map(|at| mean[at] + score[at] / clips.len() as f64);
+        assert_ne!(both[0].report.outcome, Outcome::Fall, "{name}");
+        assert!(share > ON && !says_it_stops(&both[0]), "{name}: {share:.2} of the way, {:?}", both[0].warnings);
+    }
+    println!("mean score {:.3}, by name {:.3}", mean[0], mean[1]);
+    assert!(mean[0] > mean[1] - LESS, "{mean:?}");
 }

@@ -285,6 +285,26 @@ pub fn says_it_stops(baked: &Baked) -> bool {
 }
 
 #[test]
+fn a_hill_is_walked_higher_than_the_usual_ceiling_and_a_ceiling_that_stops_a_walk_is_named() {
+    let rig = builtin();
+    let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+    let mut hill = boxes(&[([-6.0, -0.3, -6.0], [6.0, 0.0, 1.5])]);
+    hill.quad([at(-6.0, 0.0, 1.5), at(-6.0, 3.0, 13.5), at(6.0, 3.0, 13.5), at(6.0, 0.0, 1.5)]);
+    let walk = "duration = 14.0\n[[walk]]\nstart = 0.5\nspeed = 0.9\n";
+    let mut scenario = scenario("hill", walk, &surface(&hill));
+    let free = baked(&rig, &scenario, Drive::Stepper);
+    assert!(!says_it_stops(&free), "{:?}", free.warnings);
+    let top = |baked: &Baked| baked.performance.timeline.com.last().map_or(0.0, |com| com.z);
+    assert!(top(&free) > 10.5, "{}", top(&free));
+    let GroundKind::Mesh { ceiling, .. } = &mut scenario.ground.kind else { panic!("a mesh") };
+    *ceiling = 1.5;
+    let stopped = baked(&rig, &scenario, Drive::Stepper);
+    let named = |one: &String| one.contains("ceiling of 1.5 m: raise [ground] ceiling");
+    assert!(stopped.warnings.iter().any(named), "{:?}", stopped.warnings);
+    assert!(top(&stopped) < 7.5, "{}", top(&stopped));
+}
+
+#[test]
 fn a_walk_stops_before_a_wall_and_before_a_cliff() {
     let rig = builtin();
     let wall = boxes(&[FLOOR, ([-6.0, -0.3, 2.5], [6.0, 3.0, 2.7])]);

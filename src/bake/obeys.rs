@@ -3,9 +3,11 @@
 use super::Performance;
 use super::ragdoll::{Stroll, stroll};
 use crate::maths::quat::wrap_angle;
-use crate::model::Side;
+use crate::maths::real;
 use crate::model::scenario::{Crouch, Feet, GroundKind, Scenario, Stepper};
+use crate::model::{Side, Terrain};
 use crate::sim::{FASTEST, Script};
+use glam::{DVec2, DVec3};
 
 /// s at legs of 0.83 m, by when a foot must be up that is not to be stood on: the weight goes over the other one in about one.
 const LIFTS: f64 = 2.5;
@@ -134,11 +136,36 @@ pub(super) fn stopped(scenario: &Scenario, performance: &Performance) -> Option<
     let from = *asked.iter().rev().take_while(|index| trace.ticks[**index].barred).last()?;
     let com = trace.ticks[from].com;
     (time(*asked.last()?) - time(from) >= BARRED).then(|| {
-        format!(
-            "the walk stops at {:.1} s, at ({:.1}, {:.1}) m of (x, z): a wall, a drop, or a step that is too high for the legs is in its way",
-            time(from), com.x, com.z
-        )
+        let why = over_the_ceiling(scenario, DVec2::new(com.x, com.z)).map_or_else(
+            || "a wall, a drop, or a step that is too high for the legs is in its way".to_owned(),
+            |ceiling| format!("the ground goes on over the ceiling of {ceiling} m: raise [ground] ceiling"),
+        );
+        format!("the walk stops at {:.1} s, at ({:.1}, {:.1}) m of (x, z): {why}", time(from), com.x, com.z)
     })
+}
+
+/// m: so near to where a walk stopped ground that ends at the ceiling is what stopped it; ground that goes on over it is no higher than a step.
+const BEFORE: f64 = 1.5;
+const STEP: f64 = 0.3;
+/// Directions and rings in which it is looked for.
+const AROUND: [u32; 2] = [16, 8];
+
+/// m, the ceiling of a mesh, if ground near a place ends only since it goes on over that.
+fn over_the_ceiling(scenario: &Scenario, place: DVec2) -> Option<f64> {
+    let GroundKind::Mesh { ceiling, surface: Some(surface), .. } = &scenario.ground.kind else { return None };
+    let terrain = Terrain::new(&scenario.ground);
+    let [directions, rings] = AROUND;
+    let mut places = (0..directions * rings).map(|index| {
+        let (sine, cosine) =
+            real::sin_cos(std::f64::consts::TAU * f64::from(index % directions) / f64::from(directions));
+        place + DVec2::new(sine, cosine) * (BEFORE * f64::from(1 + index / directions) / f64::from(rings))
+    });
+    let ends = |at: DVec2| {
+        let higher = |(height, _): (f64, DVec3)| height > *ceiling && height < ceiling + STEP;
+        let under = terrain.spot(at);
+        (!under.holds || under.height < ceiling - STEP) && surface.ground(at, ceiling + STEP).is_some_and(higher)
+    };
+    places.any(ends).then_some(*ceiling)
 }
 
 /// Who walks goes no lower than his ankles allow, and nobody as low as he is told off level ground.

@@ -38,9 +38,15 @@ impl Terrain {
         laid(&points, sole.len(), |top| self.spot(at + top).normal)
     }
 
-    /// The same for a sole that is there already, its ground no higher than `ceiling` m: what rises beside it does not bear it.
+    /// The same for a sole that is there already, its ground no higher than `ceiling` m over the plane of what is under that place: what rises
+    /// beside it does not bear it.
     pub fn lie_under(&self, at: DVec2, sole: &[DVec2], ceiling: f64) -> Option<Lie> {
-        let spot = |offset: DVec2| self.spot_under(DVec3::new(at.x + offset.x, ceiling, at.y + offset.y), 0.0);
+        let normal = self.spot_under(DVec3::new(at.x, ceiling, at.y), 0.0).normal;
+        let slope = DVec2::new(-normal.x, -normal.z) / normal.y.max(0.1);
+        let spot = |offset: DVec2| {
+            let height = ceiling + slope.dot(offset);
+            self.spot_under(DVec3::new(at.x + offset.x, height, at.y + offset.y), 0.0)
+        };
         let held = sole.iter().map(|offset| (offset, spot(*offset))).filter(|(_, spot)| spot.holds);
         let points: Vec<DVec3> = held.map(|(offset, spot)| DVec3::new(offset.x, spot.height, offset.y)).collect();
         laid(&points, sole.len(), |top| spot(top).normal)

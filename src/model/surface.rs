@@ -19,6 +19,10 @@ const FINE: f64 = 0.1;
 const FEW_ENTRIES: usize = 262_144;
 /// m, the least and greatest side of a cell: a sole's width, and a hall's.
 const CELLS: [f64; 2] = [0.05, 20.0];
+/// m over a floor: what faces up there is another floor, or a roof.
+const STANDS: f64 = 1.2;
+/// The upward part of the unit normal of ground that leans by 3 degrees.
+const LEVEL: f64 = 0.9986;
 /// m, by which a place may be beside a triangle's edge and still on it: seams of f32 coordinates leave no holes.
 const SEAM: f64 = 1e-6;
 
@@ -34,6 +38,7 @@ pub struct Surface {
     starts: Vec<u32>,    // (cells + 1) where the entries of each begin
     entries: Vec<u32>,   // triangles
     mark: u64,           // of the coordinates
+    roofed: bool,        // somebody could stand under some of it
     /// Triangles without area that were left out.
     pub dropped: usize,
 }
@@ -86,10 +91,32 @@ impl Surface {
             starts: vec![0],
             entries: Vec::new(),
             mark,
+            roofed: false,
             dropped,
         };
         surface.fill();
+        surface.roofed = surface.has_roof();
         surface
+    }
+
+    /// Does some of its ground lie over other ground, so far that somebody could stand between?
+    pub fn is_roofed(&self) -> bool {
+        self.roofed
+    }
+
+    /// Looks over and under the middle of each triangle that faces up.
+    fn has_roof(&self) -> bool {
+        (0..self.corners.len()).filter(|index| self.normals[*index].y > STEEP).any(|index| {
+            let middle = self.corners[index].iter().sum::<DVec3>() / 3.0;
+            let at = DVec2::new(middle.x, middle.z);
+            let over = self.ground(at, f64::INFINITY).is_some_and(|(top, _)| top > middle.y + STANDS);
+            over || self.ground(at, middle.y - STANDS).is_some()
+        })
+    }
+
+    /// Is any of its ground not level?
+    pub fn leans(&self) -> bool {
+        self.normals.iter().any(|normal| normal.y > STEEP && normal.y < LEVEL)
     }
 
     /// How many triangles.
@@ -304,6 +331,21 @@ mod tests {
         assert_eq!(height(0.5, 2.5, 9.0), Some(3.0));
         assert_eq!(height(6.0, 0.0, 9.0), None);
         assert_eq!(height(f64::NAN, 0.0, 9.0), None);
+    }
+
+    #[test]
+    fn ground_over_ground_is_a_roof_and_a_hill_or_a_kerb_is_none() {
+        let wide = DVec2::splat(5.0);
+        let with = |more: &[[DVec3; 3]]| {
+            let surface = Surface::new([floor(-wide, wide, 0.0).as_slice(), more].concat());
+            (surface.is_roofed(), surface.leans())
+        };
+        assert_eq!(with(&[]), (false, false));
+        assert_eq!(with(&floor(DVec2::ZERO, DVec2::splat(0.4), 2.5)), (true, false)); // smaller than what is under it
+        assert_eq!(with(&floor(-2.0 * wide, 2.0 * wide, 2.5)), (true, false));
+        assert_eq!(with(&floor(-wide, DVec2::ZERO, 0.5)), (false, false));
+        let hill = [DVec3::new(-5.0, 0.0, 5.0), DVec3::new(-5.0, 4.0, 9.0), DVec3::new(5.0, 4.0, 9.0)];
+        assert_eq!(with(&[hill]), (false, true));
     }
 
     #[test]

@@ -5,7 +5,7 @@
 //! topmost of its faces that face up under the ceiling; where it has none
 //! it does not hold.
 
-use super::scenario::{Ground, GroundKind};
+use super::scenario::{CEILING, Ground, GroundKind};
 use super::surface::Surface;
 use crate::maths::real;
 use crate::maths::seed::Seed;
@@ -94,7 +94,15 @@ impl Terrain {
                 };
             }
         }
-        Terrain { kind: ground.kind.clone(), friction: ground.friction, waves, tilt: DQuat::IDENTITY }
+        let mut kind = ground.kind.clone();
+        // Where nothing is over anything else, no ceiling has to be given for hills to be ground.
+        if let GroundKind::Mesh { surface: Some(surface), ceiling, .. } = &mut kind
+            && *ceiling == CEILING
+            && !surface.is_roofed()
+        {
+            *ceiling = f64::INFINITY;
+        }
+        Terrain { kind, friction: ground.friction, waves, tilt: DQuat::IDENTITY }
     }
 
     /// The plane y = 0 with friction 1.

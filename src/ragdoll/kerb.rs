@@ -18,6 +18,8 @@ pub(super) const REACHES: f64 = 0.2;
 pub(super) const CLEARS: f64 = 0.15;
 /// Shares of a swing in which that height is gained and lost.
 pub(super) const HANGS: [f64; 2] = [0.2, 0.4];
+/// m: ground that rises by less over a line is a plane.
+const EVEN: f64 = 1e-6;
 /// m at legs of 0.83 m: less is no step.
 const LEVEL: f64 = 0.01;
 /// Shares of a swing: before which a foot on its way up travels only if it is over the edge, at which it is over its place, and at which it
@@ -122,6 +124,16 @@ impl Controller {
         let lift = if over > swing.from.y + LEVEL * self.size { HIGHER } else { 1.0 } * swing.lift;
         Some(Way { travels: [travels, arrives], highest, over, lift })
     }
+}
+
+/// m, how far the ground between where a foot stood and where it is to stand rises over the straight line from one to the other.
+pub(super) fn crest(terrain: &Terrain, swing: &Swing, (stands, ground): (DVec2, f64)) -> f64 {
+    let over = (1..PARTS).map(|part| {
+        let share = f64::from(part) / f64::from(PARTS);
+        let line = swing.from.y + (ground - swing.from.y) * share;
+        terrain.spot(flat(swing.from).lerp(stands, share)).height - line
+    });
+    over.fold(0.0, |most, over| if over > most + EVEN { over } else { most })
 }
 
 /// m, the highest ground under a sole on its way from where its reference is.

@@ -58,6 +58,7 @@ pub(super) fn leaning(terrain: &Terrain) -> f64 {
     match terrain.kind {
         _ if terrain.moves() => LEANING,
         GroundKind::Slope { .. } | GroundKind::Uneven { .. } => SLOPES,
+        GroundKind::Mesh { surface: Some(ref surface), .. } if surface.leans() => SLOPES,
         _ => 0.0,
     }
 }

@@ -3,6 +3,7 @@
 use super::control::{Controller, Swing, slant};
 use super::figure::Figure;
 use super::flat;
+use super::kerb;
 use super::plan::{self, Situation};
 use super::reach::OVER;
 use super::swing::{self, Reference};
@@ -216,8 +217,10 @@ impl Controller {
         let base = swing.from.y + (ground - swing.from.y) * x.clamp(0.0, 1.0);
         let speed = 1.0 / (swing::LANDS * swing.time);
         let [y, v, a] = if self.guided || way.is_some() {
-            let (top, highest) =
-                way.map_or((base + swing.lift, swing::HIGHEST), |way| (base.max(way.over) + way.lift, way.highest));
+            let (top, highest) = way.map_or_else(
+                || (base + swing.lift + kerb::crest(terrain, &swing, (stands, ground)), swing::HIGHEST),
+                |way| (base.max(way.over) + way.lift, way.highest),
+            );
             swing::over(&swing.reference, [top, ground], self.tempo(), (passed, swing.time, highest), dt)
         } else if x < 1.0 {
             let [l, d, a] = swing::lift(x);

@@ -35,6 +35,13 @@ const NEIGHBOURS: f64 = 0.9;
 const BESIDE: f64 = 0.12;
 /// m: ground that is no farther below a sole bears it as it rocks: where a ramp of 12 degrees begins or ends under its middle.
 const ROCKS: f64 = 0.03;
+/// m, the same of a sole on a ridge, which bears it along a line only: of 32 drawn walks down onto a ramp of 12 to 24 degrees six fall with 0.03,
+/// three with this.
+const RIDGE: f64 = 0.012;
+/// m of the reference body: ahead and behind a bend of the ground is seen so far; m, between the places asked; m/m, by how much it bends at least.
+const BENDS_SEEN: [f64; 2] = [1.0, 0.3];
+const BENDS_APART: f64 = 0.1;
+const BENDS: f64 = 0.15;
 /// m of the reference body: ground that is no higher over a sole may bear it.
 const BESIDE_SOLE: f64 = 0.03;
 /// m of the reference body: so much free way is looked for, so much is kept before what is in it, and a gap so wide is stepped over.
@@ -70,8 +77,9 @@ impl Sole {
 #[derive(Clone, Copy)]
 struct Place {
     plant: Plant,
-    held: f64,  // 0..1
-    hangs: f64, // m, how far below the sole the ground is at the most
+    held: f64,   // 0..1
+    hangs: f64,  // m, how far below the sole the ground is at the most
+    ridge: bool, // the ground under the middle is over that under the ends
 }
 
 /// Where a sole that points one way may be set down.
@@ -88,7 +96,7 @@ impl Ground<'_> {
     fn place(&self, at: DVec2) -> Option<Place> {
         let lie = self.terrain.lie(at, &self.sole.points)?;
         let plant = Plant { ankle: DVec3::new(at.x, lie.height, at.y), yaw: self.yaw, normal: lie.normal };
-        Some(Place { plant, held: lie.held, hangs: lie.hangs })
+        Some(Place { plant, held: lie.held, hangs: lie.hangs, ridge: self.bent(at).1 > 0.0 })
     }
 
     /// Is what is under a place no higher or lower than a leg steps? Asked first: a sole over another floor is laid down for nothing.
@@ -99,11 +107,17 @@ impl Ground<'_> {
 
     /// May a whole sole lie there, or rock? Where its ends and its middle are not nearly on one line it does neither.
     fn may_lie(&self, at: DVec2) -> bool {
+        let (holds, bent) = self.bent(at);
+        holds && bent.abs() <= ROCKS
+    }
+
+    /// Is there ground under its ends and its middle, and how far is the middle's over the line between the ends', m?
+    fn bent(&self, at: DVec2) -> (bool, f64) {
         let middle = POINTS[1] / 2;
         let [rear, half, front] = [0, POINTS[0] / 2, POINTS[0] - 1]
             .map(|along| self.terrain.spot(at + self.sole.points[along * POINTS[1] + middle]));
         let bent = half.height - 0.5 * (rear.height + front.height);
-        rear.holds && half.holds && front.holds && bent.abs() <= ROCKS
+        (rear.holds && half.holds && front.holds, bent)
     }
 
     /// No wall in it, none between it and the other foot, not too steep, not too high?
@@ -186,7 +200,7 @@ pub fn set_down_by(terrain: &Terrain, physique: &Physique, by: &Plant, ankle: DV
 
 /// Does a sole lie there, or rock on its middle or between its ends?
 fn rocks(place: &Place) -> bool {
-    place.held >= 1.0 || place.hangs < ROCKS
+    place.held >= 1.0 || place.hangs < if place.ridge { RIDGE } else { ROCKS }
 }
 
 fn set(
@@ -267,6 +281,17 @@ pub fn beside_edge(terrain: &Terrain, size: f64, place: DVec2, way: DVec2) -> f6
     near.map_or(f64::INFINITY, |_| 0.0)
 }
 
+/// Does the ground bend near a body at `place` that goes that way, and rise there? Its steps are quick there, and timed.
+pub fn bends(terrain: &Terrain, size: f64, place: DVec2, way: DVec2) -> bool {
+    let [ahead, behind] = BENDS_SEEN.map(|seen| seen * size);
+    let spots = (0..=((ahead + behind) / BENDS_APART) as usize)
+        .map(|index| terrain.spot(place + way * (BENDS_APART * index as f64 - behind)));
+    let grades = spots.filter(|spot| spot.holds).map(|spot| grade(&spot, way));
+    let [least, most] =
+        grades.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], at| [least.min(at), most.max(at)]);
+    most - least > BENDS && most > BENDS
+}
+
 /// Is the ground around a foothold such that a sole does not lie on it everywhere?
 pub fn broken(terrain: &Terrain, physique: &Physique, by: &Plant, ankle: DVec2, yaw: f64) -> bool {
     let ground = Ground { terrain, physique, by: Some(by), sole: Sole::new(physique, yaw, EDGE), yaw };
@@ -293,8 +318,10 @@ pub fn stood(terrain: &Terrain, physique: &Physique, ankle: DVec2, yaw: f64) -> 
 pub fn beneath(terrain: &Terrain, physique: &Physique, ankle: DVec3, yaw: f64) -> Option<Plant> {
     let sole = Sole::new(physique, yaw, 0.0);
     let ceiling = ankle.y - physique.ankle_height + BESIDE_SOLE * physique.leg_length / Physique::REFERENCE.leg_length;
-    let lie = terrain.lie_under(DVec2::new(ankle.x, ankle.z), &sole.points, ceiling)?;
-    Some(Plant { ankle: DVec3::new(ankle.x, lie.height, ankle.z), yaw, normal: lie.normal })
+    let foot = ankle - terrain.spot_under(ankle, 0.0).normal * physique.ankle_height;
+    let at = DVec2::new(foot.x, foot.z);
+    let lie = terrain.lie_under(at, &sole.points, ceiling)?;
+    Some(Plant { ankle: DVec3::new(at.x, lie.height, at.y), yaw, normal: lie.normal })
 }
 
 /// m along a way, where between two places the ground goes past a height.

@@ -137,7 +137,7 @@ pub fn steer(params: &Params, physique: &Physique, terrain: &Terrain, state: &mu
     let mut slowest = footing::STAIR_STEP;
     if params.fits && terrain.is_mesh() {
         gait.longest = mesh::beside_edge(terrain, params.size, ground(state.com), state.ahead);
-        gait.timed = gait.longest.is_finite();
+        gait.timed = gait.longest.is_finite() || mesh::bends(terrain, params.size, ground(state.com), state.ahead);
     }
     if params.fits && gait.longest.is_finite() {
         (gait.longest, slowest) = (kerb::STRIDE, kerb::SLOWEST);
