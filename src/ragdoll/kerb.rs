@@ -128,10 +128,11 @@ impl Controller {
 
 /// m, how far the ground between where a foot stood and where it is to stand rises over the straight line from one to the other.
 pub(super) fn crest(terrain: &Terrain, swing: &Swing, (stands, ground): (DVec2, f64)) -> f64 {
+    let from = flat(swing.from);
+    let stood = terrain.spot(from).height;
     let over = (1..PARTS).map(|part| {
         let share = f64::from(part) / f64::from(PARTS);
-        let line = swing.from.y + (ground - swing.from.y) * share;
-        terrain.spot(flat(swing.from).lerp(stands, share)).height - line
+        terrain.spot(from.lerp(stands, share)).height - (stood + (ground - stood) * share)
     });
     over.fold(0.0, |most, over| if over > most + EVEN { over } else { most })
 }
