@@ -302,6 +302,10 @@ fn a_hill_is_walked_higher_than_the_usual_ceiling_and_a_ceiling_that_stops_a_wal
     let named = |one: &String| one.contains("ceiling of 1.5 m: raise [ground] ceiling");
     assert!(stopped.warnings.iter().any(named), "{:?}", stopped.warnings);
     assert!(top(&stopped) < 7.5, "{}", top(&stopped));
+    // A wall whose top is a little over the usual ceiling is a wall.
+    let wall = boxes(&[FLOOR, ([-6.0, 0.0, 2.5], [6.0, 2.2, 2.8])]);
+    let walled = baked(&rig, &self::scenario("wall", walk, &surface(&wall)), Drive::Stepper);
+    assert!(walled.warnings.iter().any(|one| one.contains("a wall, a drop")), "{:?}", walled.warnings);
 }
 
 #[test]

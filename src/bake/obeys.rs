@@ -165,7 +165,9 @@ fn over_the_ceiling(scenario: &Scenario, place: DVec2) -> Option<f64> {
         let under = terrain.spot(at);
         (!under.holds || under.height < ceiling - STEP) && surface.ground(at, ceiling + STEP).is_some_and(higher)
     };
-    places.any(ends).then_some(*ceiling)
+    // A wall's top may be over the ceiling too: ground that goes on begins under it.
+    let near = terrain.spot(place).height > ceiling - BEFORE;
+    (near && places.any(ends)).then_some(*ceiling)
 }
 
 /// Who walks goes no lower than his ankles allow, and nobody as low as he is told off level ground.

@@ -39,6 +39,7 @@ pub struct Surface {
     entries: Vec<u32>,   // triangles
     mark: u64,           // of the coordinates
     roofed: bool,        // somebody could stand under some of it
+    leans: bool,         // some of its ground is not level
     /// Triangles without area that were left out.
     pub dropped: usize,
 }
@@ -92,10 +93,12 @@ impl Surface {
             entries: Vec::new(),
             mark,
             roofed: false,
+            leans: false,
             dropped,
         };
         surface.fill();
         surface.roofed = surface.has_roof();
+        surface.leans = surface.normals.iter().any(|normal| normal.y > STEEP && normal.y < LEVEL);
         surface
     }
 
@@ -116,7 +119,7 @@ impl Surface {
 
     /// Is any of its ground not level?
     pub fn leans(&self) -> bool {
-        self.normals.iter().any(|normal| normal.y > STEEP && normal.y < LEVEL)
+        self.leans
     }
 
     /// How many triangles.
