@@ -152,7 +152,8 @@ const AROUND: [u32; 2] = [16, 8];
 
 /// m, the ceiling of a mesh, if ground near a place ends only since it goes on over that.
 fn over_the_ceiling(scenario: &Scenario, place: DVec2) -> Option<f64> {
-    let GroundKind::Mesh { ceiling, surface: Some(surface), .. } = &scenario.ground.kind else { return None };
+    let GroundKind::Mesh { surface: Some(surface), .. } = &scenario.ground.kind else { return None };
+    let ceiling = scenario.ground.kind.ceiling();
     let terrain = Terrain::new(&scenario.ground);
     let [directions, rings] = AROUND;
     let mut places = (0..directions * rings).map(|index| {
@@ -161,13 +162,13 @@ fn over_the_ceiling(scenario: &Scenario, place: DVec2) -> Option<f64> {
         place + DVec2::new(sine, cosine) * (BEFORE * f64::from(1 + index / directions) / f64::from(rings))
     });
     let ends = |at: DVec2| {
-        let higher = |(height, _): (f64, DVec3)| height > *ceiling && height < ceiling + STEP;
+        let higher = |(height, _): (f64, DVec3)| height > ceiling && height < ceiling + STEP;
         let under = terrain.spot(at);
         (!under.holds || under.height < ceiling - STEP) && surface.ground(at, ceiling + STEP).is_some_and(higher)
     };
     // A wall's top may be over the ceiling too: ground that goes on begins under it.
     let near = terrain.spot(place).height > ceiling - BEFORE;
-    (near && places.any(ends)).then_some(*ceiling)
+    (near && places.any(ends)).then_some(ceiling)
 }
 
 /// Who walks goes no lower than his ankles allow, and nobody as low as he is told off level ground.

@@ -108,7 +108,8 @@ pub fn ground_prop(terrain: &Terrain, patch: Patch, duration: f64) -> Prop {
             mesh = rolling(terrain, patch, wavelength);
             "ground"
         }
-        GroundKind::Mesh { ref surface, ceiling, .. } => {
+        GroundKind::Mesh { ref surface, .. } => {
+            let ceiling = terrain.kind.ceiling();
             mesh = surface.as_ref().map_or_else(Mesh::default, |surface| around(surface, patch, ceiling));
             "ground"
         }

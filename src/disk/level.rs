@@ -70,18 +70,21 @@ pub fn read(path: &Path) -> Result<Level, Failure> {
 
 /// Whether anybody could stand where the character starts.
 fn stands(scenario: &Scenario) -> Result<(), String> {
-    let GroundKind::Mesh { surface: Some(surface), ceiling, .. } = &scenario.ground.kind else { return Ok(()) };
+    let kind = &scenario.ground.kind;
+    let GroundKind::Mesh { surface: Some(surface), .. } = kind else { return Ok(()) };
     let terrain = Terrain::new(&scenario.ground);
     let spot = terrain.spot(DVec2::ZERO);
     let [low, high] = surface.bounds();
     if !spot.holds {
+        let ceiling = Some(kind.ceiling()).filter(|ceiling| ceiling.is_finite());
+        let ceiling = ceiling.map_or_else(String::new, |ceiling| format!(" under the ceiling of {ceiling} m"));
         let over = surface.ground(DVec2::ZERO, f64::INFINITY).map(|found| found.0);
         let help = match over {
             Some(height) => format!("its face there is {height:.2} m up: raise `ceiling` over that, or lower the mesh"),
             None => "move the mesh so that floor lies under its origin; if it does, its faces are seen from below: flip them, or make the material double-sided".to_owned(),
         };
         return Err(format!(
-            "nothing under the start: no face faces up at x = 0, z = 0 under the ceiling of {ceiling} m\n  help: the mesh reaches from x {:.2} to {:.2} and z {:.2} to {:.2} m; {help}",
+            "nothing under the start: no face faces up at x = 0, z = 0{ceiling}\n  help: the mesh reaches from x {:.2} to {:.2} and z {:.2} to {:.2} m; {help}",
             low.x, high.x, low.z, high.z
         ));
     }

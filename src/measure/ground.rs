@@ -198,7 +198,7 @@ mod tests {
         };
         let triangles = [strip([-2.0, 0.1], -0.21), strip([0.1, 2.0], 0.0)].concat();
         let mut crest = Ground {
-            kind: GroundKind::Mesh { file: String::new(), ceiling: 10.0, surface: None },
+            kind: GroundKind::Mesh { file: String::new(), ceiling: None, surface: None },
             ..Ground::default()
         };
         crest.lay(&std::sync::Arc::new(crate::model::Surface::new(triangles)));

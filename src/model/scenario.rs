@@ -178,15 +178,26 @@ pub enum GroundKind {
     Mesh {
         /// A glTF file, relative to the scenario's folder.
         file: String,
-        /// m over the origin; faces that lie higher are no ground.
-        ceiling: f64,
+        /// m over the origin, if one is given; faces that lie higher are no ground.
+        ceiling: Option<f64>,
         /// What is in the file, once it has been read.
         surface: Option<Arc<Surface>>,
     },
 }
 
-/// m over the origin: the [`GroundKind::Mesh`] ceiling of a scenario that gives none. Over a head, under most roofs.
+/// m over the origin: the ceiling of a scenario that gives none, where some of its ground lies over other. Over a head, under most roofs.
 pub const CEILING: f64 = 2.0;
+
+impl GroundKind {
+    /// m over the origin: the ceiling that holds. None has to be given for hills to be ground where nothing lies over anything else.
+    pub fn ceiling(&self) -> f64 {
+        match self {
+            GroundKind::Mesh { ceiling: Some(ceiling), .. } => *ceiling,
+            GroundKind::Mesh { surface: Some(surface), .. } if surface.is_roofed() => CEILING,
+            _ => f64::INFINITY,
+        }
+    }
+}
 
 /// A clip that the reaction starts from, plays over and returns to. At least one of the two is there.
 #[derive(Clone, Debug, PartialEq)]

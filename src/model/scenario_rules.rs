@@ -123,7 +123,9 @@ impl Check {
                     let remedy = "name a .glb or .gltf beside the scenario, as in `file = \"level.glb\"`";
                     self.fault("ground.file", "the name of the file is empty", remedy);
                 }
-                self.range("ground.ceiling", *ceiling, CEILINGS, "m");
+                if let Some(ceiling) = ceiling {
+                    self.range("ground.ceiling", *ceiling, CEILINGS, "m");
+                }
             }
         }
     }

@@ -1,6 +1,6 @@
 //! The tables of a scenario of which there is one each: character, ground, stepper, base clip.
 
-use super::scenario::{Base, CEILING, Character, Ground, GroundKind, Stepper, Style, SupportModel, Trigger};
+use super::scenario::{Base, Character, Ground, GroundKind, Stepper, Style, SupportModel, Trigger};
 use super::scenario_reader::Reader;
 
 /// `[character]`.
@@ -55,8 +55,7 @@ pub(super) fn ground(mut table: Reader<'_, '_>) -> Ground {
             if file.is_none() && table.peek("file").is_none() {
                 table.missing("file", "name a .glb or .gltf beside the scenario, as in `file = \"level.glb\"`");
             }
-            let ceiling = table.number("ceiling").unwrap_or(CEILING);
-            GroundKind::Mesh { file: file.unwrap_or_default(), ceiling, surface: None }
+            GroundKind::Mesh { file: file.unwrap_or_default(), ceiling: table.number("ceiling"), surface: None }
         }
         _ => GroundKind::Flat,
     };

@@ -1,7 +1,7 @@
 //! A scenario as its text: TOML in degrees that [`super::scenario_text`] reads back as the same scenario. What is as it would be if it
 //! were left out is left out. No I/O; comments of a text that was read before are not kept.
 
-use super::scenario::{CEILING, Carry, Direction, Feet, GroundKind, Push, Scenario, SupportModel, Throw, Trigger};
+use super::scenario::{Carry, Direction, Feet, GroundKind, Push, Scenario, SupportModel, Throw, Trigger};
 use std::fmt::Write;
 
 /// The text.
@@ -115,7 +115,6 @@ fn ground(text: &mut String, scenario: &Scenario) {
             kind("platform", &values);
         }
         GroundKind::Mesh { file, ceiling, .. } => {
-            let ceiling = Some(*ceiling).filter(|ceiling| *ceiling != CEILING);
             let ceiling = ceiling.map(|ceiling| ("ceiling", number(ceiling)));
             let values: Vec<(&str, String)> = [("file", quoted(file))].into_iter().chain(ceiling).collect();
             kind("mesh", &values);
@@ -253,6 +252,7 @@ mod tests {
             "kind = \"gaps\"\nwidth = 0.2\nspacing = 1.1",
             "kind = \"platform\"\nroll = [[0, 0], [2, 12.3]]",
             "kind = \"mesh\"\nfile = \"levels/kerb.glb\"",
+            "kind = \"mesh\"\nfile = \"levels/hill.glb\"\nceiling = 2",
             "kind = \"mesh\"\nfile = \"a \\\"b\\\".gltf\"\nceiling = 4.5\nfriction = 0.7",
         ];
         let mut texts: Vec<String> =

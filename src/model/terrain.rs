@@ -5,7 +5,7 @@
 //! topmost of its faces that face up under the ceiling; where it has none
 //! it does not hold.
 
-use super::scenario::{CEILING, Ground, GroundKind};
+use super::scenario::{Ground, GroundKind};
 use super::surface::Surface;
 use crate::maths::real;
 use crate::maths::seed::Seed;
@@ -94,15 +94,7 @@ impl Terrain {
                 };
             }
         }
-        let mut kind = ground.kind.clone();
-        // Where nothing is over anything else, no ceiling has to be given for hills to be ground.
-        if let GroundKind::Mesh { surface: Some(surface), ceiling, .. } = &mut kind
-            && *ceiling == CEILING
-            && !surface.is_roofed()
-        {
-            *ceiling = f64::INFINITY;
-        }
-        Terrain { kind, friction: ground.friction, waves, tilt: DQuat::IDENTITY }
+        Terrain { kind: ground.kind.clone(), friction: ground.friction, waves, tilt: DQuat::IDENTITY }
     }
 
     /// The plane y = 0 with friction 1.
@@ -258,8 +250,8 @@ impl Terrain {
                 }
                 Spot { height, normal: DVec3::new(-lean.x, 1.0, -lean.y).normalize(), holds: true }
             }
-            GroundKind::Mesh { ref surface, ceiling, .. } => {
-                let found = surface.as_ref().and_then(|surface| surface.ground(at, ceiling));
+            GroundKind::Mesh { ref surface, .. } => {
+                let found = surface.as_ref().and_then(|surface| surface.ground(at, self.kind.ceiling()));
                 found.map_or(Spot { holds: false, ..level(NOTHING) }, |(height, normal)| Spot {
                     height,
                     normal,
@@ -273,9 +265,9 @@ impl Terrain {
     /// not stand on it.
     pub fn spot_under(&self, point: DVec3, reach: f64) -> Spot {
         let at = DVec2::new(point.x, point.z);
-        let GroundKind::Mesh { surface: Some(surface), ceiling, .. } = &self.kind else { return self.spot(at) };
+        let GroundKind::Mesh { surface: Some(surface), .. } = &self.kind else { return self.spot(at) };
         let nothing = Spot { height: NOTHING, normal: DVec3::Y, holds: false };
-        let found = surface.ground(at, ceiling.min(point.y + reach));
+        let found = surface.ground(at, self.kind.ceiling().min(point.y + reach));
         found.map_or(nothing, |(height, normal)| Spot { height, normal, holds: true })
     }
 

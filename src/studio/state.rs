@@ -19,7 +19,7 @@ use super::worker::{Wake, Worker};
 use crate::disk::writer::Output;
 use crate::disk::{Failure, clip_files};
 use crate::model::Scenario;
-use crate::model::scenario::{CEILING, Ground, GroundKind, Marker};
+use crate::model::scenario::{Ground, GroundKind, Marker};
 use crate::model::scenario_errors::Fault;
 use crate::rig::Rig;
 use std::path::{Path, PathBuf};
@@ -272,7 +272,7 @@ impl State {
                 let ground = self.document().scenario.ground.clone();
                 let ceiling = match ground.kind {
                     GroundKind::Mesh { ceiling, .. } => ceiling,
-                    _ => CEILING,
+                    _ => None,
                 };
                 let kind = GroundKind::Mesh { file: self.beside_scenario(&path), ceiling, surface: None };
                 self.carry_out(Command::Edit(Edit::Ground(Ground { kind, ..ground })));

@@ -170,9 +170,14 @@ pub fn ground(ui: &mut egui::Ui, document: &Document, commands: &mut Vec<Command
                 });
             }
             GroundKind::Mesh { file, ceiling, surface } => {
-                let number = Number::new("Ceiling", 0.5..=100.0, "over the origin; higher faces are no ground");
                 let with = |ceiling| with(GroundKind::Mesh { file: file.clone(), ceiling, surface: surface.clone() });
-                number.unit("m", 0.02, 2).default(CEILING).row(ui, ceiling, commands, with);
+                let hint = "faces that lie higher are no ground; automatic: 2 m where ground lies over other ground, else none";
+                let choices = [("automatic", None), ("given", Some(ceiling.unwrap_or(CEILING)))];
+                choice(ui, ("Ceiling", hint), &ceiling, &choices, commands, with);
+                if let Some(height) = ceiling {
+                    let number = Number::new("Ceiling height", 0.5..=100.0, "over the origin").unit("m", 0.02, 2);
+                    number.row(ui, height, commands, |height| with(Some(height)));
+                }
             }
             GroundKind::Gaps { width, spacing } => {
                 let number = Number::new("Width", 0.01..=5.0, "of a gap").unit("m", 0.005, 3);
