@@ -188,17 +188,6 @@ pub enum GroundKind {
 /// m over the origin: the ceiling of a scenario that gives none, where some of its ground lies over other. Over a head, under most roofs.
 pub const CEILING: f64 = 2.0;
 
-impl GroundKind {
-    /// m over the origin: the ceiling that holds. None has to be given for hills to be ground where nothing lies over anything else.
-    pub fn ceiling(&self) -> f64 {
-        match self {
-            GroundKind::Mesh { ceiling: Some(ceiling), .. } => *ceiling,
-            GroundKind::Mesh { surface: Some(surface), .. } if surface.is_roofed() => CEILING,
-            _ => f64::INFINITY,
-        }
-    }
-}
-
 /// A clip that the reaction starts from, plays over and returns to. At least one of the two is there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Base {

@@ -5,7 +5,7 @@
 //! topmost of its faces that face up under the ceiling; where it has none
 //! it does not hold.
 
-use super::scenario::{Ground, GroundKind};
+use super::scenario::{CEILING, Ground, GroundKind};
 use super::surface::Surface;
 use crate::maths::real;
 use crate::maths::seed::Seed;
@@ -74,6 +74,17 @@ impl Ground {
     pub fn lay(&mut self, read: &Arc<Surface>) {
         if let GroundKind::Mesh { surface, .. } = &mut self.kind {
             *surface = Some(Arc::clone(read));
+        }
+    }
+}
+
+impl GroundKind {
+    /// m over the origin: the ceiling that holds. None has to be given for hills to be ground where nothing lies over anything else.
+    pub fn ceiling(&self) -> f64 {
+        match self {
+            GroundKind::Mesh { ceiling: Some(ceiling), .. } => *ceiling,
+            GroundKind::Mesh { surface: Some(surface), .. } if surface.is_roofed() => CEILING,
+            _ => f64::INFINITY,
         }
     }
 }
