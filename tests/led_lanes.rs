@@ -198,3 +198,53 @@ fn platforms_to_18_degrees_are_turned_crouched_and_stood_on_with_one_foot() {
         assert_ne!(report.outcome, Outcome::Fall, "{seed}: {name}");
     }
 }
+
+/// A platform that leans by so many degrees about an axis, at 10 degrees a second from 1 s on, with a friction of 1; then `after`.
+fn leaning(axis: &str, degrees: f64, legs: f64, after: &str) -> String {
+    let there = 1.0 + degrees.abs() / 10.0;
+    let tilts = format!("{axis} = [[0, 0], [1, 0], [{there:.2}, {degrees:.1}]{after}]");
+    format!("title = \"p\"\n[character]\nleg_scale = {legs}\n[ground]\nkind = \"platform\"\n{tilts}\n")
+}
+
+#[test]
+fn a_platform_that_leans_to_45_degrees_and_back_is_stood_on() {
+    let bodies = bodies();
+    let ways = [("pitch", 45.0), ("pitch", -45.0), ("roll", 45.0), ("roll", -45.0)];
+    let cases: Vec<_> = (0..bodies.len()).flat_map(|body| ways.map(|way| (body, way))).collect();
+    cases.into_par_iter().for_each(|(body, (axis, degrees))| {
+        let (rig, legs) = &bodies[body];
+        let text = format!("duration = 11\n{}", leaning(axis, degrees, *legs, ", [10, 0]"));
+        let report = baked(rig, &text, DRIVES[0], 7).report;
+        let name = format!("body {body}, {axis} {degrees}");
+        println!("{name}: {:?}, score {:.2}", report.outcome, report.plausibility.score);
+        assert_ne!(report.outcome, Outcome::Fall, "{name}");
+        assert_eq!(report.steps, 0, "{name}: it steps, and nobody pushed it");
+        assert!(report.plausibility.slip_max_mm <= 1.0, "{name}: {:?}", report.plausibility.notes);
+        // At the defaults the better of the clips of the two drives is kept.
+        let by = |drive: Drive| baked(rig, &text, drive, 7).report.plausibility.score;
+        let (kept, posed) = (by(Drive::Auto(Helped::Auto)), by(DRIVES[1]));
+        let best = report.plausibility.score.max(posed);
+        assert!(kept >= best.min(0.95), "{name}: {kept:.2}, and {best:.2} could be had");
+    });
+}
+
+#[test]
+fn shoves_on_a_platform_that_leans_by_40_degrees_are_taken() {
+    let bodies = bodies();
+    let falls: Vec<String> = (0..32u64)
+        .into_par_iter()
+        .filter_map(|seed| {
+            let mut draw = Seed::new(seed ^ 0x40);
+            let (rig, legs) = &bodies[seed as usize % bodies.len()];
+            let (axis, degrees) = [("pitch", 40.0), ("pitch", -40.0), ("roll", 40.0)][seed as usize % 3];
+            let toward = draw.between(-180.0, 180.0);
+            let push = format!("[[push]]\nstart = 6.5\nduration = 0.2\nforce = 100\ntoward = {toward:.0}\n");
+            let text = format!("duration = 11\n{}{push}", leaning(axis, degrees, *legs, ""));
+            let report = baked(rig, &text, DRIVES[0], seed).report;
+            let name = format!("{seed}: {axis} {degrees}, toward {toward:.0}");
+            println!("{name}: {:?}, score {:.2}", report.outcome, report.plausibility.score);
+            (report.outcome == Outcome::Fall).then_some(name)
+        })
+        .collect();
+    assert!(falls.len() <= 2, "of 32 directions 30 are taken: {falls:?}");
+}

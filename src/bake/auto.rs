@@ -1,9 +1,9 @@
 //! Chooses between the stepper and the articulated body: both play the scenario, and what is better is kept. Where that is clear after
 //! one of them, the other bakes nothing.
 //!
-//! Who stands is before who falls, and who does as told before who does not set off, lift a foot or turn. Where things touch the body (balls, a box, a
-//! platform) the articulated body is kept; else the clip of the higher plausibility, that of a body which walks slower or higher than told counted
-//! for less, and the stepper's where they are even. Where both fall, the clip that shows more of it.
+//! Who stands is before who falls, and who does as told before who does not set off, lift a foot or turn. Where things touch the body (balls, a box) the
+//! articulated body is kept, and on a platform where its clip could hardly look better; else the clip of the higher plausibility, that of a body which
+//! walks slower or higher than told counted for less, and the stepper's where they are even. Where both fall, the clip that shows more of it.
 
 use super::base::Over;
 use super::base::apart::ends_in;
@@ -15,8 +15,9 @@ use crate::model::report::Outcome;
 use crate::model::scenario::{GroundKind, Scenario};
 use crate::rig::Rig;
 
-/// Why the ragdoll is kept where balls, a box or a platform meet a body that stays up.
+/// Why the ragdoll is kept where balls or a box meet a body that stays up, and where a platform does.
 const TOUCHED: &str = "things touch the body";
+const CARRIED: &str = "the ground moves";
 
 /// Plausibility from which on another clip of someone who stands could hardly look better: what is above are differences that nobody sees.
 const PLAUSIBLE: f64 = 0.95;
@@ -49,19 +50,28 @@ pub enum Fall {
     Down(f64),
 }
 
-/// Bakes with the drive that does it better. Where things touch a body that stays up the stepper has no say, and bakes nothing.
+/// Bakes with the drive that does it better. Where things touch a body that stays up, and where it stands well on a platform, the stepper has no say, and
+/// bakes nothing.
 pub(super) fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions, helped: Helped) -> Result<Baked, BakeError> {
     let stepper = || bake_by(rig, scenario, options, Drive::Stepper);
-    if !touched(scenario) || !unplayed(scenario, options.base.as_deref()).is_empty() {
+    if !(touched(scenario) || moves(scenario)) || !unplayed(scenario, options.base.as_deref()).is_empty() {
         return stepper().map(|stepper| choose(stepper, rig, scenario, options, helped));
     }
     let ragdoll = bake_by(rig, scenario, options, Drive::Ragdoll(helped));
     match ragdoll {
-        Ok(ragdoll) if ragdoll.fall().is_none() && shirked(scenario, &ragdoll.performance).is_none() => {
+        Ok(ragdoll) if stands_as_told(&ragdoll, scenario) && touched(scenario) => {
             Ok(ragdoll.chosen(TOUCHED.into(), None))
+        }
+        Ok(ragdoll) if stands_as_told(&ragdoll, scenario) && ragdoll.report.plausibility.score >= PLAUSIBLE => {
+            Ok(ragdoll.chosen(CARRIED.into(), None))
         }
         ragdoll => stepper().map(|stepper| better(stepper, ragdoll, scenario)),
     }
+}
+
+/// Whether it stays up and does what it is told.
+fn stands_as_told(baked: &Baked, scenario: &Scenario) -> bool {
+    baked.fall().is_none() && shirked(scenario, &baked.performance).is_none()
 }
 
 /// The stepper's clip of that scenario, or the ragdoll's where that is better.
@@ -70,7 +80,11 @@ pub fn choose(stepper: Baked, rig: &Rig, scenario: &Scenario, options: &BakeOpti
     if !unplayed.is_empty() {
         return stepper.chosen(format!("the ragdoll cannot play {} yet", unplayed.join(", ")), None);
     }
-    if stepper.fall().is_none() && !touched(scenario) && stepper.report.plausibility.score >= PLAUSIBLE {
+    if stepper.fall().is_none()
+        && !touched(scenario)
+        && !moves(scenario)
+        && stepper.report.plausibility.score >= PLAUSIBLE
+    {
         return stepper
             .chosen(format!("its clip stands, and no other is needed from a plausibility of {PLAUSIBLE} on"), None);
     }
@@ -107,6 +121,7 @@ fn better(stepper: Baked, ragdoll: Result<Baked, BakeError>, scenario: &Scenario
             stepper.chosen("the ragdoll does not come back to the base clip".into(), Some(scores.1))
         }
         _ if touched(scenario) => ragdoll.chosen(TOUCHED.into(), Some(scores.0)),
+        _ if moves(scenario) && scores.1 >= PLAUSIBLE => ragdoll.chosen(CARRIED.into(), Some(scores.0)),
         _ if weighed > scores.0 => ragdoll.chosen("its clip is the more plausible".into(), Some(scores.0)),
         _ if led && scores.1 > scores.0 => {
             stepper.chosen("the ragdoll is led back to the base clip, farther than its run goes".into(), Some(scores.1))
@@ -126,10 +141,14 @@ fn over_stand(baked: &Baked) -> bool {
     matches!(baked.performance.timeline.over, Some(Over::Stand(_)))
 }
 
-/// Whether anything but a push meets the body.
+/// Whether anything but a push and the ground meets the body.
 fn touched(scenario: &Scenario) -> bool {
-    let platform = matches!(scenario.ground.kind, GroundKind::Platform { .. });
-    platform || !scenario.throw.is_empty() || !scenario.carry.is_empty()
+    !scenario.throw.is_empty() || !scenario.carry.is_empty()
+}
+
+/// Whether the ground moves under it.
+fn moves(scenario: &Scenario) -> bool {
+    matches!(scenario.ground.kind, GroundKind::Platform { .. })
 }
 
 impl Baked {

@@ -336,7 +336,7 @@ impl Controller {
         let moving = self.swing.is_some();
         let hull = self.bearing_hull(figure);
         let [heel, .., tip, _] = figure.soles[0];
-        let back = slope::back(self.faces_up(terrain)) * heel.distance(tip);
+        let back = slope::back(terrain, self.faces_up(terrain)) * heel.distance(tip);
         let middle = self.support_middle(figure) - self.ahead_by(back);
         let fast = (flat(self.motion.velocity).length() / self.size.sqrt() - 0.8).clamp(0.0, 1.0);
         if self.swing.is_some_and(|swing| !swing.comfort) || signed_distance(&hull, xi) > -0.02 * self.size {

@@ -5,10 +5,12 @@
 
 use super::dynamics::Wrench;
 use super::linear::{Factored, Matrix6};
-use glam::DVec3;
+use glam::{DVec3, Vec3Swizzles};
 
-/// Edges of a friction pyramid.
-const EDGES: usize = 4;
+/// Edges of a friction pyramid, on ground that hardly leans and on other: between two of four it holds 0.71 of the cone, of eight 0.92.
+const EDGES: [usize; 2] = [4, 8];
+/// Share of what friction holds that the ground may rise, metres a metre, and hardly lean: 21 degrees with a friction of 1.
+const LEANS: f64 = 0.4;
 /// Least and greatest friction coefficient that the law reckons with. On ice one that keeps within what there is lets the trunk go where a force
 /// would slide: of 72 drawn walks on 0.1, half of them shoved, 45 fall; with 0.3 none does, of 20 others 2. What the ground has not got slides.
 const FRICTIONS: [f64; 2] = [0.3, 0.95];
@@ -51,6 +53,7 @@ pub struct Forces {
     shares: Vec<f64>,
     unknowns: Vec<Unknown>,
     edges: Vec<DVec3>,
+    owners: Vec<usize>, // the corner of each edge
     lack: [f64; 6],
 }
 
@@ -65,8 +68,8 @@ struct Unknown {
 }
 
 impl Forces {
-    /// The wrench about `com` that the corners can give, as if with a friction within [`FRICTIONS`], and that serves best; `base` takes a wrench less `bias` to the
-    /// pelvis's acceleration. Corners are named from tick to tick.
+    /// The wrench about `com` that the corners can give, where the ground hardly leans as if with a friction within [`FRICTIONS`], and that serves
+    /// best; `base` takes a wrench less `bias` to the pelvis's acceleration. Corners are named from tick to tick.
     #[expect(clippy::too_many_arguments, reason = "one problem, all of it")]
     pub fn solve(
         &mut self,
@@ -80,11 +83,12 @@ impl Forces {
         ridge: f64,
     ) -> Wrench {
         let weight = mass * crate::maths::pendulum::GRAVITY;
-        let friction = friction.clamp(FRICTIONS[0], FRICTIONS[1]);
+        let [least, most] = FRICTIONS;
         let [side, up, level, yaw] = wanted.weights;
         let scale = [side, up, side, level, yaw, level];
         self.unknowns.clear();
         self.edges.clear();
+        self.owners.clear();
         // The pelvis's angular acceleration as a linear function of the wrench: the last three rows of what `base` undoes.
         let offset = base.solve(&bias.map(|value| -value));
         let undone: Matrix6 = std::array::from_fn(|column| {
@@ -104,16 +108,32 @@ impl Forces {
             effect.iter_mut().zip(scale).for_each(|(effect, scale)| *effect *= scale);
             effect
         };
-        for (_, corner) in corners {
-            let (a, b) = corner.normal.any_orthonormal_pair();
+        for (index, (_, corner)) in corners.iter().enumerate() {
+            let usual = friction.clamp(least, most);
+            let rise = corner.normal.xz().length() / corner.normal.y;
+            let leans = rise > LEANS * usual;
+            // Where it leans much, all that there is may be asked for, and the first edge goes down the slope.
+            let (count, friction) = if leans { (EDGES[1], friction.max(least)) } else { (EDGES[0], usual) };
+            let (a, b) = if leans {
+                let down = (corner.normal * corner.normal.y - DVec3::Y).normalize();
+                (down, corner.normal.cross(down))
+            } else {
+                corner.normal.any_orthonormal_pair()
+            };
             let along = corner.normal * weight;
             let [a, b] = [a, b].map(|across| across * (friction * weight));
             let [normal, first, second] = [along, a, b].map(|force| effect(force, corner.at - com));
-            let (cheap, least) = (1.0 / (ridge * corner.dear), corner.least / EDGES as f64);
-            for (force, across, sign) in [(a, first, 1.0), (b, second, 1.0), (a, first, -1.0), (b, second, -1.0)] {
-                let column = std::array::from_fn(|axis| normal[axis] + sign * across[axis]);
+            let cheap = 1.0 / (ridge * corner.dear);
+            // What a corner bears at least is upright where the ground leans, not off it.
+            let upright = if leans { (rise / friction).min(1.0) } else { 0.0 };
+            for edge in 0..count {
+                let up_the_slope = if edge == count / 2 { upright } else { 0.0 };
+                let least = corner.least * ((1.0 - upright) / count as f64 + up_the_slope);
+                let [x, y] = DIRECTIONS[edge * (EDGES[1] / count)];
+                let column = std::array::from_fn(|axis| normal[axis] + x * first[axis] + y * second[axis]);
                 self.unknowns.push(Unknown { column, cheap, least });
-                self.edges.push(along + force * sign);
+                self.edges.push(along + a * x + b * y);
+                self.owners.push(index);
             }
         }
         let mut target = [0.0; 6];
@@ -126,7 +146,7 @@ impl Forces {
         let (mut force, mut moment) = (DVec3::ZERO, DVec3::ZERO);
         for (index, (edge, share)) in self.edges.iter().zip(&self.shares).enumerate() {
             force += *edge * *share;
-            moment += (corners[index / EDGES].1.at - com).cross(*edge * *share);
+            moment += (corners[self.owners[index]].1.at - com).cross(*edge * *share);
         }
         [force.x, force.y, force.z, moment.x, moment.y, moment.z]
     }
@@ -145,7 +165,7 @@ impl Forces {
     ) -> (DVec3, DVec3) {
         let (mut force, mut moment) = (DVec3::ZERO, DVec3::ZERO);
         for (index, (edge, share)) in self.edges.iter().zip(&self.shares).enumerate() {
-            let (name, corner) = corners[index / EDGES];
+            let (name, corner) = corners[self.owners[index]];
             if which(name, &corner) {
                 force += *edge * *share;
                 moment += (corner.at - about).cross(*edge * *share);
@@ -154,6 +174,12 @@ impl Forces {
         (force, moment)
     }
 }
+
+/// Along the first axis and along the second.
+const DIRECTIONS: [[f64; 2]; 8] = {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    [[1.0, 0.0], [half, half], [0.0, 1.0], [-half, half], [-1.0, 0.0], [-half, -half], [0.0, -1.0], [half, -half]]
+};
 
 /// The shares x that make |A x - b|² + Σ cᵢ xᵢ² least with xᵢ ≥ lᵢ, A by columns; returns b - A x, to begin with the next time.
 ///

@@ -29,6 +29,10 @@ pub struct Situation {
     pub last: Option<Side>,
     /// m, by how much a step is to fall short of ξ: none where it is to stop.
     pub drift: DVec2,
+    /// m/m, how the ground rises along x and z.
+    pub grade: DVec2,
+    /// m, the hips over it.
+    pub tall: f64,
 }
 
 /// A step.
@@ -143,7 +147,7 @@ pub fn aim(situation: &Situation, tuning: &StepTuning, side: Side, time: f64, le
         + (situation.com - situation.pivot) * cosh
         + situation.velocity * (sinh / situation.rate)
         + outward * (0.09 * size);
-    at = within(at, hip, tuning.reach * size);
+    at = hip + (at - hip).clamp_length_max(reach(situation, tuning.reach * size, at - hip));
     at = within(at, stance, tuning.span * size);
     let apart = (at - stance).dot(outward);
     if apart < tuning.clear * size {
@@ -152,6 +156,17 @@ pub fn aim(situation: &Situation, tuning: &StepTuning, side: Side, time: f64, le
     let travel = at.distance(situation.feet[side as usize]);
     let cost = at.distance(capture) + (travel - tuning.speed * time * size.sqrt()).max(0.0);
     Target { side, at, time, cost }
+}
+
+/// m, how far from under the hip a foot lands that way that lands `level` m from it on level ground: with a leg as long, the lower the ground the
+/// less. Of r² + (h - g r)² = l² + h² the positive r, g the rise that way.
+fn reach(situation: &Situation, level: f64, way: DVec2) -> f64 {
+    let rise = situation.grade.dot(way.normalize_or_zero());
+    if rise >= 0.0 {
+        return level;
+    }
+    let (half, square) = (situation.tall * rise, 1.0 + rise * rise);
+    (half + (half * half + level * level * square).sqrt()) / square
 }
 
 fn within(point: DVec2, middle: DVec2, most: f64) -> DVec2 {

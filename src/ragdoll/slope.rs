@@ -18,6 +18,9 @@ use glam::{DQuat, DVec2};
 const LEANS_IN: [f64; 2] = [1.6, 1.8];
 /// The steepest rise that it leans for: 27 degrees.
 const STEEPEST: f64 = 0.5;
+/// By how much less it leans for each metre a metre that the ground is steeper. There legs are stretched behind it, and steer it no more: of 30 drawn
+/// minutes on platforms that lean to 45 degrees, shoved, 26 end in a fall with 0, 14 with 0.25, 13 with this, 10 with 1.
+const EASES: f64 = 0.5;
 /// Share of the sole's length by which balance is held nearer to the heels, for each metre that the ground rises in a metre. By stands of
 /// five bodies at 25 degrees: with 0.37 most drift back over their heels and step, with 0.1 ankles are at their ends and some tip backwards.
 /// Of 160 drawn shoves of who stands facing up 10 to 25 degrees 11 fall with 0.37 (and 1.4 above), 6 with these.
@@ -33,19 +36,24 @@ const FOLLOWS: f64 = 0.3;
 /// Share of its trunk's lean that the head is turned back by, to look ahead: within what necks do at 25 degrees.
 const LOOKS: f64 = 0.8;
 
-/// The rise of ground with that unit normal for who faces `heading` (rad); 0 downhill.
+/// m/m, the rise of ground with that unit normal for who faces `heading` (rad), at most 1; 0 downhill.
 pub fn rise(normal: glam::DVec3, heading: f64) -> f64 {
-    (-flat(normal).dot(DVec2::new(real::sin(heading), real::cos(heading))) / normal.y.max(0.1)).clamp(0.0, STEEPEST)
+    (-flat(normal).dot(DVec2::new(real::sin(heading), real::cos(heading))) / normal.y.max(0.1)).clamp(0.0, 1.0)
 }
 
 /// rad about x, by which the trunk of who stands leans.
 pub fn lean(rise: f64) -> f64 {
-    LEANS_IN[0] * rise
+    LEANS_IN[0] * leaned_for(rise)
 }
 
-/// Share of the sole's length by which balance is held nearer to the heels than on level ground.
-pub fn back(rise: f64) -> f64 {
-    BACK * rise
+/// Share of the sole's length by which balance is held nearer to the heels than on level ground; not on a platform, where ankles go further.
+pub fn back(terrain: &Terrain, rise: f64) -> f64 {
+    if terrain.moves() { 0.0 } else { BACK * rise.min(STEEPEST) }
+}
+
+/// m/m: the rise that the trunk leans for.
+fn leaned_for(rise: f64) -> f64 {
+    rise.min(STEEPEST) - EASES * (rise - STEEPEST).max(0.0)
 }
 
 /// Share of its length that a leg uses with both feet down that would use `used` on level ground.
@@ -69,7 +77,7 @@ impl Controller {
     pub(super) fn bow(&mut self, figure: &Figure, terrain: &Terrain, dt: f64) {
         let share = (dt / (FOLLOWS * self.tempo())).min(1.0);
         let goes = self.guide.is_some_and(|guide| guide.velocity != DVec2::ZERO);
-        self.uphill += (LEANS_IN[usize::from(goes)] * self.faces_up(terrain)
+        self.uphill += (LEANS_IN[usize::from(goes)] * leaned_for(self.faces_up(terrain))
             + self.guide.map_or(0.0, |guide| guide.lean)
             - self.uphill)
             * share;

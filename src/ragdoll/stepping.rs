@@ -30,6 +30,13 @@ const EDGE: f64 = 0.01;
 const WAITS: [usize; 2] = [3, 12];
 /// Share of a step against a fall at which its foot is over its place.
 const ARRIVES: f64 = 0.95;
+/// Upward part of a normal at least: ground that is steeper holds no foot.
+const STEEP: f64 = 0.5;
+/// m at legs of 0.83 m, by which who stands on steep ground lets balance go farther out before he steps, and the upward part of the ground's
+/// normal where that begins and where it is all: 26 and 41 degrees. A step downhill finds no ground there, and a platform comes back: of 30 drawn
+/// minutes on platforms that lean to 45 degrees, shoved, 13 end in a fall without it and 7 with it.
+const BIDES: f64 = 0.02;
+const LEANS: [f64; 2] = [0.9, 0.75];
 
 impl Controller {
     /// s since it last stepped against a fall or was about to.
@@ -63,7 +70,8 @@ impl Controller {
         convex_hull(&points)
     }
 
-    pub(super) fn situation(&self, figure: &Figure, xi: DVec2, rate: f64, cop: DVec2) -> Situation {
+    pub(super) fn situation(&self, figure: &Figure, terrain: &Terrain, xi: DVec2, rate: f64, cop: DVec2) -> Situation {
+        let ground = terrain.spot(cop);
         let push = flat(self.push) * self.tuning.foreseen / (self.motion.mass * rate * rate);
         Situation {
             xi,
@@ -76,6 +84,8 @@ impl Controller {
             size: self.size,
             last: self.last,
             drift: self.drift(rate),
+            grade: -flat(ground.normal) / ground.normal.y.max(STEEP),
+            tall: self.states[0].origin.y - ground.height,
         }
     }
 
@@ -122,7 +132,7 @@ impl Controller {
                 }
                 if !swing.comfort && passed < 0.85 * swing.time {
                     let cop = closest_point(&hull, xi).unwrap_or(xi);
-                    let situation = self.situation(figure, xi, rate, cop);
+                    let situation = self.situation(figure, terrain, xi, rate, cop);
                     swing.target = plan::aim(&situation, &self.tuning.step, swing.side, swing.time, left).at;
                 }
                 self.carry_on(figure, swing, terrain, down, dt);
@@ -135,9 +145,11 @@ impl Controller {
             // Who has just set a foot beside the other has balance over that other foot, near its edge as in the swing.
             let eased = self.time - self.eased < EASED * self.tempo() || self.sways(figure);
             let trigger = if eased { self.tuning.shrunk } else { self.tuning.trigger };
+            let upright = terrain.spot(flat(self.motion.com)).normal.y;
+            let trigger = trigger + BIDES * ((LEANS[0] - upright) / (LEANS[0] - LEANS[1])).clamp(0.0, 1.0);
             if out > trigger * self.size {
                 let cop = closest_point(&hull, xi).unwrap_or(xi);
-                let situation = self.situation(figure, xi, rate, cop);
+                let situation = self.situation(figure, terrain, xi, rate, cop);
                 let target = plan::choose(&situation, &self.tuning.step);
                 // A foot leaves when the other bears.
                 let weight = self.motion.mass * GRAVITY * dt;

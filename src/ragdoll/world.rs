@@ -17,6 +17,8 @@ pub(super) const FASTEST: f64 = 100.0;
 const TORN: f64 = 0.05;
 /// N m, the most that a joint gives.
 pub const MOST_TORQUE: f64 = 500.0;
+/// Upward part of the ground's unit normal, below which who leans into it may touch it with his hands: 20 degrees.
+const LEANS: f64 = 0.94;
 
 /// Where a link is and how it moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -183,6 +185,8 @@ impl World {
             match figure.links[*index].part {
                 Part::Foot(_) | Part::Toes(_) => false,
                 Part::Shank(_) => knee() && self.pressed(*index) > least,
+                // Hands that hang reach ground that rises before who leans into it.
+                Part::Forearm(_) | Part::Hand(_) if terrain.spot(DVec2::new(at.x, at.z)).normal.y < LEANS => false,
                 _ => self.pressed(*index) > least,
             }
         })

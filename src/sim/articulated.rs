@@ -354,7 +354,7 @@ fn on_ground(
         _ => DVec3::Y * (physique.com_height + base),
     };
     let normals = plants.map(|plant| ground.spot(DVec2::new(plant.ankle.x, plant.ankle.z)).normal);
-    uphill(body, anatomy, (normals[0] + normals[1]).normalize_or(DVec3::Y), &mut target);
+    uphill(body, anatomy, terrain, (normals[0] + normals[1]).normalize_or(DVec3::Y), &mut target);
     Some(Solver::new(body, anatomy).solve(&target).pose)
 }
 
@@ -383,7 +383,7 @@ fn low(course: &Course, standing: &BodyPose, level: &PoseTarget) -> BodyPose {
 const STRETCHED: f64 = 0.992;
 
 /// Leans a stand on ground with that unit normal as the law does, at the height at which its legs are as straight as they are to be.
-fn uphill(body: &Body, anatomy: &Anatomy, normal: DVec3, target: &mut PoseTarget) {
+fn uphill(body: &Body, anatomy: &Anatomy, terrain: &Terrain, normal: DVec3, target: &mut PoseTarget) {
     let rise = slope::rise(normal, 0.0);
     if rise <= 0.0 {
         return;
@@ -392,7 +392,7 @@ fn uphill(body: &Body, anatomy: &Anatomy, normal: DVec3, target: &mut PoseTarget
     (target.pelvis, target.chest) = (target.pelvis * lean, target.chest * lean);
     let leg = anatomy.legs.each_ref().map(|leg| leg.length());
     let sole = &body.feet[0];
-    target.com.z -= slope::back(rise) * (sole.foremost() - sole.heel);
+    target.com.z -= slope::back(terrain, rise) * (sole.foremost() - sole.heel);
     let mut solver = Solver::new(body, anatomy);
     let (mut low, mut high) = (0.7 * target.com.y, 1.05 * target.com.y);
     for _ in 0..30 {
