@@ -54,19 +54,31 @@ pub enum Fall {
 /// bakes nothing.
 pub(super) fn bake(rig: &Rig, scenario: &Scenario, options: &BakeOptions, helped: Helped) -> Result<Baked, BakeError> {
     let stepper = || bake_by(rig, scenario, options, Drive::Stepper);
-    if !(touched(scenario) || moves(scenario)) || !unplayed(scenario, options.base.as_deref()).is_empty() {
+    if !favours_ragdoll(scenario) || !unplayed(scenario, options.base.as_deref()).is_empty() {
         return stepper().map(|stepper| choose(stepper, rig, scenario, options, helped));
     }
     let ragdoll = bake_by(rig, scenario, options, Drive::Ragdoll(helped));
     match ragdoll {
-        Ok(ragdoll) if stands_as_told(&ragdoll, scenario) && touched(scenario) => {
-            Ok(ragdoll.chosen(TOUCHED.into(), None))
-        }
-        Ok(ragdoll) if stands_as_told(&ragdoll, scenario) && ragdoll.report.plausibility.score >= PLAUSIBLE => {
-            Ok(ragdoll.chosen(CARRIED.into(), None))
-        }
+        Ok(ragdoll) if stands_as_told(&ragdoll, scenario) => match favoured(scenario, &ragdoll) {
+            Some(why) => Ok(ragdoll.chosen(why.into(), None)),
+            None => stepper().map(|stepper| better(stepper, Ok(ragdoll), scenario)),
+        },
         ragdoll => stepper().map(|stepper| better(stepper, ragdoll, scenario)),
     }
+}
+
+/// Whether the ragdoll's clip may be kept whatever the stepper's is like: where things touch the body, and where the ground moves.
+fn favours_ragdoll(scenario: &Scenario) -> bool {
+    touched(scenario) || moves(scenario)
+}
+
+/// Why that clip of the ragdoll, who stands and does as told, is kept whatever the stepper's is like, if it is: where the ground moves it must
+/// hardly be able to look better.
+fn favoured(scenario: &Scenario, ragdoll: &Baked) -> Option<&'static str> {
+    if touched(scenario) {
+        return Some(TOUCHED);
+    }
+    (moves(scenario) && ragdoll.report.plausibility.score >= PLAUSIBLE).then_some(CARRIED)
 }
 
 /// Whether it stays up and does what it is told.
@@ -80,11 +92,7 @@ pub fn choose(stepper: Baked, rig: &Rig, scenario: &Scenario, options: &BakeOpti
     if !unplayed.is_empty() {
         return stepper.chosen(format!("the ragdoll cannot play {} yet", unplayed.join(", ")), None);
     }
-    if stepper.fall().is_none()
-        && !touched(scenario)
-        && !moves(scenario)
-        && stepper.report.plausibility.score >= PLAUSIBLE
-    {
+    if stepper.fall().is_none() && !favours_ragdoll(scenario) && stepper.report.plausibility.score >= PLAUSIBLE {
         return stepper
             .chosen(format!("its clip stands, and no other is needed from a plausibility of {PLAUSIBLE} on"), None);
     }
@@ -102,6 +110,7 @@ fn better(stepper: Baked, ragdoll: Result<Baked, BakeError>, scenario: &Scenario
     let obeyed = if led { 0.0 } else { obeyed(scenario, &ragdoll.performance) };
     let weighed = scores.1 * (1.0 - LESS * (1.0 - obeyed));
     let shirked = shirked(scenario, &ragdoll.performance);
+    let favoured = favoured(scenario, &ragdoll);
     match (stepper.fall(), ragdoll.fall()) {
         (None, Some(_)) => stepper.chosen("the ragdoll falls".into(), Some(scores.1)),
         (Some(_), None) => ragdoll.chosen("the stepper falls".into(), Some(scores.0)),
@@ -120,8 +129,7 @@ fn better(stepper: Baked, ragdoll: Result<Baked, BakeError>, scenario: &Scenario
         _ if is_home(&stepper) && !is_home(&ragdoll) => {
             stepper.chosen("the ragdoll does not come back to the base clip".into(), Some(scores.1))
         }
-        _ if touched(scenario) => ragdoll.chosen(TOUCHED.into(), Some(scores.0)),
-        _ if moves(scenario) && scores.1 >= PLAUSIBLE => ragdoll.chosen(CARRIED.into(), Some(scores.0)),
+        _ if let Some(why) = favoured => ragdoll.chosen(why.into(), Some(scores.0)),
         _ if weighed > scores.0 => ragdoll.chosen("its clip is the more plausible".into(), Some(scores.0)),
         _ if led && scores.1 > scores.0 => {
             stepper.chosen("the ragdoll is led back to the base clip, farther than its run goes".into(), Some(scores.1))

@@ -1,6 +1,6 @@
 //! Contact forces under the soles: those inside their friction cones that come nearest to the wanted accelerations.
 //!
-//! A quadratic programme with bounded unknowns (four edges of the friction cone at each corner), solved exactly. Scenario space, SI. The
+//! A quadratic programme with bounded unknowns (four or eight edges of the friction cone at each corner), solved exactly. Scenario space, SI. The
 //! unknowns are shares of the body's weight.
 
 use super::dynamics::Wrench;
@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3Swizzles};
 /// Edges of a friction pyramid, on ground that hardly leans and on other: between two of four it holds 0.71 of the cone, of eight 0.92.
 const EDGES: [usize; 2] = [4, 8];
 /// Share of what friction holds that the ground may rise, metres a metre, and hardly lean: 21 degrees with a friction of 1.
-const LEANS: f64 = 0.4;
+const HARDLY: f64 = 0.4;
 /// Least and greatest friction coefficient that the law reckons with. On ice one that keeps within what there is lets the trunk go where a force
 /// would slide: of 72 drawn walks on 0.1, half of them shoved, 45 fall; with 0.3 none does, of 20 others 2. What the ground has not got slides.
 const FRICTIONS: [f64; 2] = [0.3, 0.95];
@@ -67,6 +67,34 @@ struct Unknown {
     least: f64,
 }
 
+/// What a corner's forces lie within.
+struct Pyramid {
+    /// N, of a share of 1: off the ground, and across that to the edges.
+    along: DVec3,
+    across: [DVec3; 2],
+    /// How many edges.
+    count: usize,
+    /// Share of what the corner bears at least that is borne by the edge up the slope, so that it is upright and not off the ground.
+    upright: f64,
+}
+
+/// The friction pyramid of a corner. Where the ground leans much, all the friction that there is may be asked for, and the first edge goes down
+/// the slope.
+fn pyramid(corner: &Corner, friction: f64, weight: f64) -> Pyramid {
+    let [least, most] = FRICTIONS;
+    let usual = friction.clamp(least, most);
+    let rise = corner.normal.xz().length() / corner.normal.y;
+    let (count, friction, upright, across) = if rise > HARDLY * usual {
+        let friction = friction.max(least);
+        let down = (corner.normal * corner.normal.y - DVec3::Y).normalize();
+        (EDGES[1], friction, (rise / friction).min(1.0), (down, corner.normal.cross(down)))
+    } else {
+        (EDGES[0], usual, 0.0, corner.normal.any_orthonormal_pair())
+    };
+    let across = [across.0, across.1].map(|across| across * (friction * weight));
+    Pyramid { along: corner.normal * weight, across, count, upright }
+}
+
 impl Forces {
     /// The wrench about `com` that the corners can give, where the ground hardly leans as if with a friction within [`FRICTIONS`], and that serves
     /// best; `base` takes a wrench less `bias` to the pelvis's acceleration. Corners are named from tick to tick.
@@ -83,7 +111,6 @@ impl Forces {
         ridge: f64,
     ) -> Wrench {
         let weight = mass * crate::maths::pendulum::GRAVITY;
-        let [least, most] = FRICTIONS;
         let [side, up, level, yaw] = wanted.weights;
         let scale = [side, up, side, level, yaw, level];
         self.unknowns.clear();
@@ -109,23 +136,9 @@ impl Forces {
             effect
         };
         for (index, (_, corner)) in corners.iter().enumerate() {
-            let usual = friction.clamp(least, most);
-            let rise = corner.normal.xz().length() / corner.normal.y;
-            let leans = rise > LEANS * usual;
-            // Where it leans much, all that there is may be asked for, and the first edge goes down the slope.
-            let (count, friction) = if leans { (EDGES[1], friction.max(least)) } else { (EDGES[0], usual) };
-            let (a, b) = if leans {
-                let down = (corner.normal * corner.normal.y - DVec3::Y).normalize();
-                (down, corner.normal.cross(down))
-            } else {
-                corner.normal.any_orthonormal_pair()
-            };
-            let along = corner.normal * weight;
-            let [a, b] = [a, b].map(|across| across * (friction * weight));
+            let Pyramid { along, across: [a, b], count, upright } = pyramid(corner, friction, weight);
             let [normal, first, second] = [along, a, b].map(|force| effect(force, corner.at - com));
             let cheap = 1.0 / (ridge * corner.dear);
-            // What a corner bears at least is upright where the ground leans, not off it.
-            let upright = if leans { (rise / friction).min(1.0) } else { 0.0 };
             for edge in 0..count {
                 let up_the_slope = if edge == count / 2 { upright } else { 0.0 };
                 let least = corner.least * ((1.0 - upright) / count as f64 + up_the_slope);

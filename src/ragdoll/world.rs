@@ -18,7 +18,7 @@ const TORN: f64 = 0.05;
 /// N m, the most that a joint gives.
 pub const MOST_TORQUE: f64 = 500.0;
 /// Upward part of the ground's unit normal, below which who leans into it may touch it with his hands: 20 degrees.
-const LEANS: f64 = 0.94;
+const HANDS: f64 = 0.94;
 
 /// Where a link is and how it moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -186,7 +186,7 @@ impl World {
                 Part::Foot(_) | Part::Toes(_) => false,
                 Part::Shank(_) => knee() && self.pressed(*index) > least,
                 // Hands that hang reach ground that rises before who leans into it.
-                Part::Forearm(_) | Part::Hand(_) if terrain.spot(DVec2::new(at.x, at.z)).normal.y < LEANS => false,
+                Part::Forearm(_) | Part::Hand(_) if terrain.spot(DVec2::new(at.x, at.z)).normal.y < HANDS => false,
                 _ => self.pressed(*index) > least,
             }
         })

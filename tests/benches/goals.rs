@@ -2,7 +2,11 @@
 //!
 //! `cargo bench --bench goals` prints a row a lane. Words after `--` choose lanes by a part of their name; `--auto` bakes at the defaults
 //! instead, `--stepper` poses the body; `--seed N` draws other cases, `--count N` more of them, and `-v` prints each clip. The bodies
-//! are the built-in rig, on longer and shorter legs too, and third-party ones where they are there.
+//! are the built-in rig, on longer and shorter legs too, and third-party ones where they are there. `-f` prints those that fall.
+//!
+//! Columns: clips, falls, their mean and least plausibility, speed along the way as a share of what was asked for; in how many clips
+//! both feet are off the ground for more than 0.05 s, joints are past their ranges in more than 1 % of the frames, a foot slides by
+//! more than 30 mm.
 
 #![expect(clippy::print_stdout, reason = "the table")]
 
@@ -54,12 +58,12 @@ impl Drawn {
         lanes + &self.shove(start, 100.0)
     }
 
-    /// A platform that leans by that much back and forth at 10 degrees a second, from time to time the other way, and 100 N every 5 s.
+    /// A platform that leans by 0.6 to all of that, one way or the other, at 10 degrees a second without a rest; friction 1, 100 N every 5 s.
     fn platform(&mut self, most: [f64; 2]) -> String {
         let lane = |draw: &mut Drawn, most: f64| {
             let (mut time, mut at, mut keys) = (0.0, 0.0, String::from("[0, 0]"));
             while most > 0.0 && time < 60.0 {
-                let to = draw.between(-most, most);
+                let to = draw.between(0.6, 1.0) * if draw.between(0.0, 1.0) < 0.5 { -most } else { most };
                 time += f64::max((to - at).abs() / 10.0, 0.1);
                 at = to;
                 keys += &format!(", [{time:.2}, {at:.1}]");
@@ -67,7 +71,7 @@ impl Drawn {
             keys
         };
         let [pitch, roll] = most.map(|most| lane(self, most));
-        let ground = format!("[ground]\nkind = \"platform\"\npitch = [{pitch}]\nroll = [{roll}]\n");
+        let ground = format!("[ground]\nkind = \"platform\"\nfriction = 1.0\npitch = [{pitch}]\nroll = [{roll}]\n");
         (1..12).fold(ground, |text, time| text + &self.shove(5.0 * f64::from(time), 100.0))
     }
 }
