@@ -28,6 +28,11 @@ pub fn predict(position: DVec2, velocity: DVec2, pivot: DVec2, omega: f64, time:
     (pivot + lean * cosh + velocity * (sinh / omega), lean * (omega * sinh) + velocity * cosh)
 }
 
+/// m, where the extrapolated centre of mass goes in `time` s over a fixed pivot: ξ(t) = p + (ξ - p) exp(ω t).
+pub fn carried(xi: DVec2, pivot: DVec2, omega: f64, time: f64) -> DVec2 {
+    pivot + (xi - pivot) * real::exp(omega * time)
+}
+
 /// m, the distance ahead of the centre of mass at which a foot must land for the speed to be `residual` when the mass
 /// passes over it: the pole vault's energy, `½v² + g(h-s) = ½v'² + gL`, `L² = (h-s)² + d²`.
 ///
@@ -51,6 +56,16 @@ pub fn pivot_for(xi: DVec2, aim: DVec2, omega: f64, time: f64) -> DVec2 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_extrapolated_centre_of_mass_goes_where_the_pendulum_does() {
+        let (com, velocity, pivot, omega) = (DVec2::new(0.1, -0.2), DVec2::new(0.4, 0.7), DVec2::new(0.05, 0.1), 3.3);
+        for time in [0.0, 0.2, 0.9] {
+            let (there, then) = predict(com, velocity, pivot, omega, time);
+            let xi = carried(extrapolated(com, velocity, omega), pivot, omega, time);
+            assert!(xi.distance(extrapolated(there, then, omega)) < 1e-12, "after {time} s");
+        }
+    }
 
     #[test]
     fn step_distance_is_the_papers_formula_when_no_speed_is_left() {

@@ -16,7 +16,6 @@ mod kerb;
 mod knee;
 mod linear;
 mod lying;
-pub mod plan;
 mod ranges;
 mod reach;
 pub mod slope;

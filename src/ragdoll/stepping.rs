@@ -4,7 +4,6 @@ use super::control::{Controller, Swing, slant};
 use super::figure::Figure;
 use super::flat;
 use super::kerb;
-use super::plan::{self, Situation};
 use super::reach::OVER;
 use super::swing::{self, Reference};
 use crate::maths::hull::{closest_point, convex_hull, shrink, signed_distance};
@@ -12,6 +11,7 @@ use crate::maths::pendulum::GRAVITY;
 use crate::maths::quat::wrap_angle;
 use crate::maths::real;
 use crate::model::{Side, Terrain};
+use crate::stepper::catch::{self, Situation};
 use glam::{DQuat, DVec2, DVec3};
 
 /// s, for how long after an unhurried step only what leaves the soles is a fall: the time to take weight on the foot that landed.
@@ -133,7 +133,7 @@ impl Controller {
                 if !swing.comfort && passed < 0.85 * swing.time {
                     let cop = closest_point(&hull, xi).unwrap_or(xi);
                     let situation = self.situation(figure, terrain, xi, rate, cop);
-                    swing.target = plan::aim(&situation, &self.tuning.step, swing.side, swing.time, left).at;
+                    swing.target = catch::aim(&situation, &self.tuning.step, swing.side, swing.time, left).at;
                 }
                 self.carry_on(figure, swing, terrain, down, dt);
             }
@@ -150,7 +150,7 @@ impl Controller {
             if out > trigger * self.size {
                 let cop = closest_point(&hull, xi).unwrap_or(xi);
                 let situation = self.situation(figure, terrain, xi, rate, cop);
-                let target = plan::choose(&situation, &self.tuning.step);
+                let target = catch::choose(&situation, &self.tuning.step);
                 // A foot leaves when the other bears.
                 let weight = self.motion.mass * GRAVITY * dt;
                 let waited = self.leaving.map_or(0, |(_, ticks)| ticks);

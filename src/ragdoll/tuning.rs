@@ -2,8 +2,8 @@
 //!
 //! Found by random search on seeded pushes that no test or benchmark uses.
 
-use super::plan::StepTuning;
 use crate::maths::seed::Seed;
+use crate::stepper::catch::StepTuning;
 
 /// Everything that can be turned.
 #[derive(Clone, Copy, Debug, PartialEq)]

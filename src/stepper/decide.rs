@@ -196,7 +196,7 @@ fn followed(params: &Params, physique: &Physique, state: &State, side: Side, tim
     let fin = middle_after(params, state, side);
     let xi = state.xi();
     let pivot = sole.nearest(pendulum::pivot_for(xi, fin, state.omega(), time));
-    let lands = pivot + (xi - pivot) * real::exp(state.omega() * time);
+    let lands = pendulum::carried(xi, pivot, state.omega(), time);
     (comfortable, lands - area.nearest(lands))
 }
 

@@ -6,7 +6,6 @@
 use super::balance::{braking, steady_lean};
 use super::{Params, Passing, Physique, Plant, State, Support, footing, ground, rise, support::Tread, swing};
 use crate::maths::pendulum;
-use crate::maths::real;
 use crate::model::Side;
 use glam::{DVec2, DVec3};
 
@@ -93,7 +92,7 @@ pub fn corrective(
     let xi = state.xi() + lean + shove / state.omega() - shove * (0.5 * more);
     let fin = over_foot(params, state, side, passing, &plant);
     let pivot = braking(params, state, passing, &sole, (xi, fin), time);
-    let caught = pivot + (xi - pivot) * real::exp(state.omega() * time.max(0.0));
+    let caught = pendulum::carried(xi, pivot, state.omega(), time.max(0.0));
     let miss = stands.outside(caught).max(0.0);
     Foothold { plant, miss, off: ankle.distance(wanted), speed, across }
 }

@@ -2,13 +2,15 @@
 //!
 //! [`tick`] runs a tick: `control` (the order of things), `decide` (whether, which foot, when, where), `foothold` (the
 //! paper's step length), `balance` (ankle feedback), `legs` (springs and flight), `rise` (the ground that they feel), `swing` (the
-//! foot's way), `support` (the soles). All tuning is in [`Params`], all memory in [`State`].
+//! foot's way), `support` (the soles). All tuning is in [`Params`], all memory in [`State`]. [`catch`] says with which foot, where and when
+//! a body that moves by its own torques catches a fall.
 //!
 //! Pure functions and plain state; no I/O, no allocation in a tick. Scenario space, SI units. Sources: Kenwright, "Watch
 //! Your Step" (2013); the capture point of Koolen (2012) and the extrapolated centre of mass of Hof (2005).
 
 mod ascend;
 mod balance;
+pub mod catch;
 mod climb;
 mod control;
 mod decide;

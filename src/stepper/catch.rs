@@ -1,8 +1,10 @@
-//! Which foot steps, where to and when: capture steps from the extrapolated centre of mass at touchdown. Ground plane, SI.
+//! Which foot of a body catches its fall, where and when: capture steps from the extrapolated centre of mass at touchdown. Ground plane, SI.
+//!
+//! What the body does is measured, and it goes there by its own torques (`ragdoll/`). Who is posed takes the steps of `foothold`.
 //!
 //! Constants are for legs of 0.83 m: lengths scale with the leg, times with its root.
 
-use crate::maths::real;
+use crate::maths::{pendulum, real};
 use crate::model::Side;
 use glam::DVec2;
 
@@ -125,8 +127,7 @@ pub fn choose(situation: &Situation, tuning: &StepTuning) -> Target {
 /// Where that foot should land `left` s from now, in a swing of `time` s.
 pub fn aim(situation: &Situation, tuning: &StepTuning, side: Side, time: f64, left: f64) -> Target {
     let size = situation.size;
-    let growth = real::exp(situation.rate * left);
-    let touch = situation.pivot + (situation.xi - situation.pivot) * growth;
+    let touch = pendulum::carried(situation.xi, situation.pivot, situation.rate, left);
     let left_ward = DVec2::new(real::cos(situation.heading), -real::sin(situation.heading));
     let outward = left_ward * side.sign();
     let stance = situation.feet[side.other() as usize];
