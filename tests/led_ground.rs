@@ -168,7 +168,7 @@ fn steep_slopes_are_walked_up_on_the_balls_of_the_feet() {
         println!("{name}: {:?}, {:.2} m/s, score {score:.2}", clip.report.outcome, speed(clip));
     }
     // goal: each of them 0.85
-    for (clips, least) in [(&clips[..20], 0.88), (&clips[20..], 0.83)] {
+    for (clips, least) in [(&clips[..20], 0.89), (&clips[20..], 0.88)] {
         let mean = clips.iter().map(|clip| clip.3.report.plausibility.score).sum::<f64>() / clips.len() as f64;
         println!("mean score {mean:.3}");
         assert!(mean >= least, "{mean:.3}");

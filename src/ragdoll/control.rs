@@ -423,7 +423,7 @@ impl Controller {
         let (help_torque, help_force) = self.help(&base, &bias, &wrench, &wanted, goal, cop, GRAVITY / height);
         let root = pelvis(&base, &bias, &wrench, [help_force, help_torque]);
         self.spread(figure, &legs, &feet, &root, trunk);
-        self.press(figure, &forces, &corners);
+        self.press(figure, terrain, &forces, &corners);
         self.forces = forces;
         self.lend(world, help_force, help_torque);
         let mut needed = std::mem::take(&mut self.needed);
@@ -444,14 +444,21 @@ impl Controller {
         self.on_level() && !self.stairs
     }
 
-    /// How far a foot has come in a swing against a fall, 0 to 1 and beyond; `None` where it stands or is led.
-    fn swung(&self, side: Side) -> Option<f64> {
-        let swing = self.swing.filter(|swing| swing.side == side && !self.guided && self.on_open_ground())?;
-        Some((self.time - swing.start) / swing.time)
+    /// How far the toes of a foot are to lie along the ground, 0 to 1: of who steps against a fall, and up a slope of who is led and lands on his
+    /// balls. In line with the foot their tips touch 2 cm before the ball is down, and drag over the ground.
+    fn levels(&self, side: Side) -> f64 {
+        let Some(swing) = self.swing.filter(|swing| swing.side == side) else { return 0.0 };
+        let share = match self.guided {
+            true if self.on_level() => 0.0,
+            true => self.on_balls(),
+            false if self.on_open_ground() => 1.0,
+            false => 0.0,
+        };
+        share * toes::levels((self.time - swing.start) / swing.time)
     }
 
     /// What the contacts do to the feet.
-    fn press(&mut self, figure: &Figure, forces: &Forces, corners: &[(usize, Corner)]) {
+    fn press(&mut self, figure: &Figure, terrain: &Terrain, forces: &Forces, corners: &[(usize, Corner)]) {
         self.outside.clear();
         self.outside.resize(figure.links.len(), (DVec3::ZERO, DVec3::ZERO));
         for side in 0..2 {
@@ -459,7 +466,8 @@ impl Controller {
             self.outside[foot] = forces.on_foot(corners, side, self.states[foot].origin);
             self.toes[side] = toes::Asked {
                 about: toes::asked(figure, &self.states, forces, corners, side),
-                level: self.swung(Side::BOTH[side]).map_or(0.0, toes::levels),
+                level: self.levels(Side::BOTH[side]),
+                up: self.swing.map_or(DVec3::Y, |swing| terrain.spot(swing.target).normal),
             };
         }
     }

@@ -233,7 +233,7 @@ impl Figure {
     }
 }
 
-/// How far the toes of a foot that comes down with its heel high are level by a share of its swing.
+/// How far the toes of a foot that comes down with its heel high lie along the ground by a share of its swing.
 pub(super) fn levels(share: f64) -> f64 {
     smooth3((share - LEVELS[0]) / (LEVELS[1] - LEVELS[0]))
 }
@@ -243,8 +243,10 @@ pub(super) fn levels(share: f64) -> f64 {
 pub(super) struct Asked {
     /// N m about their hinge (under 0 bends them down): of the planned forces on the foot's front corners, and of those behind.
     pub(super) about: [f64; 2],
-    /// 0 in line with the foot to 1 level, where that bends them up.
+    /// 0 in line with the foot to 1 along the ground, where that bends them up.
     pub(super) level: f64,
+    /// Out of the ground on which the foot comes down.
+    pub(super) up: DVec3,
 }
 
 /// N m about the hinge of a foot's toes, of the planned forces on its front corners and of those behind.
@@ -269,7 +271,7 @@ pub(super) fn asked(
 /// The joints of the toes for the coming tick: their springs and dampers, and what they are to give beyond so that the tips bear as is
 /// planned.
 pub(super) fn drive(figure: &Figure, world: &mut World, states: &[LinkState], asked: &[Asked; 2]) {
-    for (toes, Asked { about: [front, rear], level }) in figure.toes.iter().zip(asked) {
+    for (toes, Asked { about: [front, rear], level, up }) in figure.toes.iter().zip(asked) {
         let Some(link) = *toes else { continue };
         let Freedom::Hinge { axis, .. } = figure.links[link].freedom else { continue };
         let parent = figure.links[link].parent.unwrap_or(0);
@@ -279,7 +281,8 @@ pub(super) fn drive(figure: &Figure, world: &mut World, states: &[LinkState], as
         let wanted = front - SPARED * front.min(-rear).max(0.0);
         let more = (wanted - stiffness * angle.max(0.0)).max(0.0);
         let points = states[parent].turn * DVec3::Y.cross(axis);
-        let raised = level * real::atan2(-points.y, points.with_y(0.0).length()).clamp(0.0, RANGE[1]);
+        let over = points.dot(*up);
+        let raised = level * real::atan2(-over, (points - *up * over).length()).clamp(0.0, RANGE[1]);
         let ahead = axis * (raised - angle - more / stiffness.max(1e-9));
         world.drive(link, DVec3::splat(stiffness), DVec3::splat(damping), ahead);
     }

@@ -361,7 +361,7 @@ pub fn rhythm_now(params: &Params, physique: &Physique, state: &State) -> Rhythm
     let rhythm = push_off::rolled(rhythm, push_off::strides(params, physique, state));
     let quicker = if gait.spot { (SPOT * params.tempo / rhythm.step).min(1.0) } else { 1.0 };
     let rhythm = Rhythm { step: rhythm.step * quicker, double: rhythm.double * quicker, ..rhythm };
-    let slower = rise::share_of_step(physique, state, rhythm.step) * steep::slower(params, state);
+    let slower = rise::share_of_step(physique, state, rhythm.step);
     let whole = |time: f64| (time * slower / tick).round() * tick;
     let single = whole(rhythm.step - rhythm.double).max(2.0 * tick);
     let step = whole(rhythm.step).max(single);
