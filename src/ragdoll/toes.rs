@@ -268,6 +268,12 @@ pub(super) fn asked(
     [about(true), about(false)]
 }
 
+/// rad, how far toes are bent up that lie along the ground, `up` out of it, under a foot that points that way.
+fn along(points: DVec3, up: DVec3) -> f64 {
+    let over = points.dot(up);
+    real::atan2(-over, (points - up * over).length()).clamp(0.0, RANGE[1])
+}
+
 /// The joints of the toes for the coming tick: their springs and dampers, and what they are to give beyond so that the tips bear as is
 /// planned.
 pub(super) fn drive(figure: &Figure, world: &mut World, states: &[LinkState], asked: &[Asked; 2]) {
@@ -281,8 +287,7 @@ pub(super) fn drive(figure: &Figure, world: &mut World, states: &[LinkState], as
         let wanted = front - SPARED * front.min(-rear).max(0.0);
         let more = (wanted - stiffness * angle.max(0.0)).max(0.0);
         let points = states[parent].turn * DVec3::Y.cross(axis);
-        let over = points.dot(*up);
-        let raised = level * real::atan2(-over, (points - *up * over).length()).clamp(0.0, RANGE[1]);
+        let raised = level * along(points, *up);
         let ahead = axis * (raised - angle - more / stiffness.max(1e-9));
         world.drive(link, DVec3::splat(stiffness), DVec3::splat(damping), ahead);
     }
@@ -397,6 +402,18 @@ mod tests {
             }
         }
         assert!(down.is_some_and(|tick| tick > 3), "the heels come down at tick {down:?}");
+    }
+
+    #[test]
+    fn toes_lie_along_the_ground_that_the_foot_comes_down_on_whichever_way_it_leans() {
+        for leans in [-0.4, 0.0, 0.3, 0.44] {
+            let up = DQuat::from_rotation_x(-leans) * DVec3::Y;
+            let points = |down: f64| DQuat::from_rotation_x(down - leans) * DVec3::Z;
+            for (down, bent) in [(0.0, 0.0), (0.35, 0.35), (-0.2, 0.0), (1.4, RANGE[1])] {
+                let found = along(points(down), up);
+                assert!((found - bent).abs() < 1e-9, "ground up by {leans}, foot down by {down}: {found}");
+            }
+        }
     }
 
     #[test]
