@@ -130,6 +130,8 @@ mod ragdoll_walk;
 mod ranges;
 /// What trunk, head and arms do of a push: delays, where it struck, mirror images, seeds, breath.
 mod reaction;
+/// What the articulated body recovers from without looking ahead: held-out shoves, each of another person.
+mod recoveries;
 /// Clips on other bodies: directions, held feet, knees.
 mod retarget;
 /// `surefoot retarget` at the shell: files, words, what it refuses.

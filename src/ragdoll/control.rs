@@ -444,14 +444,14 @@ impl Controller {
         self.on_level() && !self.stairs
     }
 
-    /// How far the toes of a foot are to lie along the ground, 0 to 1: of who steps against a fall, and up a slope of who is led and lands on his
-    /// balls. In line with the foot their tips touch 2 cm before the ball is down, and drag over the ground.
+    /// How far the toes of a foot are to lie along the ground, 0 to 1: of who steps against a fall and is in no hurry, and up a slope of who is
+    /// led and lands on his balls. In line with the foot their tips touch 2 cm before the ball is down, and drag over the ground.
     fn levels(&self, side: Side) -> f64 {
         let Some(swing) = self.swing.filter(|swing| swing.side == side) else { return 0.0 };
         let share = match self.guided {
             true if self.on_level() => 0.0,
             true => self.on_balls(),
-            false if self.on_open_ground() => 1.0,
+            false if self.on_open_ground() => self.unhurried(),
             false => 0.0,
         };
         share * toes::levels((self.time - swing.start) / swing.time)

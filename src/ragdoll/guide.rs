@@ -240,7 +240,7 @@ impl Controller {
     /// Share of its length that a leg is to use on the way that the guide goes, while the other swings (`carries`) and when it lands.
     pub(super) fn leg_used(&self, terrain: &Terrain, carries: bool) -> f64 {
         if self.guide.is_none() {
-            return self.tuning.reach[1];
+            return self.against_a_fall().reach[1];
         }
         let least = if carries { CARRIES } else { LEGS[0] };
         least + (LEGS[1] - least) * (self.uphill(terrain) / UPHILL).clamp(0.0, 1.0)

@@ -6,6 +6,7 @@ use super::flat;
 use super::kerb;
 use super::reach::OVER;
 use super::swing::{self, Reference};
+use super::tuning::Tuning;
 use crate::maths::hull::{closest_point, convex_hull, shrink, signed_distance};
 use crate::maths::pendulum::GRAVITY;
 use crate::maths::quat::wrap_angle;
@@ -49,6 +50,11 @@ impl Controller {
         self.size.sqrt()
     }
 
+    /// The dials of steps against a fall.
+    pub(super) fn against_a_fall(&self) -> Tuning {
+        if self.going == DVec2::ZERO { self.tuning.standing() } else { self.tuning }
+    }
+
     /// m, around the soles of the feet that stand, (x, z).
     pub(super) fn hull(&self, figure: &Figure) -> Vec<DVec2> {
         self.hull_of(figure, OVER)
@@ -72,7 +78,7 @@ impl Controller {
 
     pub(super) fn situation(&self, figure: &Figure, terrain: &Terrain, xi: DVec2, rate: f64, cop: DVec2) -> Situation {
         let ground = terrain.spot(cop);
-        let push = flat(self.push) * self.tuning.foreseen / (self.motion.mass * rate * rate);
+        let push = flat(self.push) * self.against_a_fall().foreseen / (self.motion.mass * rate * rate);
         Situation {
             xi,
             pivot: cop - push,
@@ -133,7 +139,7 @@ impl Controller {
                 if !swing.comfort && passed < 0.85 * swing.time {
                     let cop = closest_point(&hull, xi).unwrap_or(xi);
                     let situation = self.situation(figure, terrain, xi, rate, cop);
-                    swing.target = catch::aim(&situation, &self.tuning.step, swing.side, swing.time, left).at;
+                    swing.target = catch::aim(&situation, &self.against_a_fall().step, swing.side, swing.time, left).at;
                 }
                 self.carry_on(figure, swing, terrain, down, dt);
             }
@@ -144,13 +150,13 @@ impl Controller {
             let out = signed_distance(&shrink(&hull, self.tuning.shrunk * self.size), falls);
             // Who has just set a foot beside the other has balance over that other foot, near its edge as in the swing.
             let eased = self.time - self.eased < EASED * self.tempo() || self.sways(figure);
-            let trigger = if eased { self.tuning.shrunk } else { self.tuning.trigger };
+            let trigger = if eased { self.tuning.shrunk } else { self.against_a_fall().trigger };
             let upright = terrain.spot(flat(self.motion.com)).normal.y;
             let trigger = trigger + BIDES * ((LEANS[0] - upright) / (LEANS[0] - LEANS[1])).clamp(0.0, 1.0);
             if out > trigger * self.size {
                 let cop = closest_point(&hull, xi).unwrap_or(xi);
                 let situation = self.situation(figure, terrain, xi, rate, cop);
-                let target = catch::choose(&situation, &self.tuning.step);
+                let target = catch::choose(&situation, &self.against_a_fall().step);
                 // A foot leaves when the other bears.
                 let weight = self.motion.mass * GRAVITY * dt;
                 let waited = self.leaving.map_or(0, |(_, ticks)| ticks);
