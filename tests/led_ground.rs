@@ -188,6 +188,34 @@ fn steep_slopes_are_walked_up_on_the_balls_of_the_feet() {
 }
 
 #[test]
+fn brisk_walks_up_steep_slopes_drag_no_foot() {
+    let people = people(&[1.0, 0.7, 1.3], &["m2m_rig_human.glb", "m2m_human_male.glb"]);
+    let slid: Vec<f64> = (0..40u64)
+        .into_par_iter()
+        .map(|seed| {
+            let mut draw = Seed::new(seed ^ 0xB215C);
+            let (rig, legs) = &people[seed as usize % people.len()];
+            let [least, most] = if seed < 20 { [13.5, 20.0] } else { [20.0, 25.0] };
+            let (degrees, pace) = (draw.between(least, most), draw.between(0.5, 0.9) * f64::sqrt(*legs));
+            let ground = format!("[ground]\nkind = \"slope\"\nangle = {degrees:.2}");
+            let character = format!("[character]\nleg_scale = {legs}");
+            let text = format!("title = \"brisk\"\nduration = 10.0\n{ground}\n{character}\n{}", walk(pace));
+            let report = baked(rig, &text, seed).report;
+            let (name, score) = (format!("{degrees:.1} degrees at {pace:.2} m/s, legs {legs}"), report.plausibility);
+            println!("{name}: {:.0} mm, score {:.2}", score.scuff_max_mm, score.score);
+            assert_ne!(report.outcome, Outcome::Fall, "{name}");
+            score.scuff_max_mm
+        })
+        .collect();
+    // goal: none
+    for slid in [&slid[..20], &slid[20..]] {
+        let drag = slid.iter().filter(|slid| **slid > 30.0).count();
+        println!("{drag} of {} slide a foot by more than 30 mm", slid.len());
+        assert!(drag <= 1, "{drag} slide a foot");
+    }
+}
+
+#[test]
 fn who_is_shoved_on_a_slope_keeps_his_feet() {
     let rig = builtin();
     for degrees in [5.0, 8.0, 12.0, 15.0, 20.0, -5.0, -15.0, -25.0] {
