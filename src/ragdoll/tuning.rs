@@ -94,12 +94,6 @@ pub struct Tuning {
     pub patience: f64,
 }
 
-/// Within what the search draws four of the dials that are others for who is on his way.
-const TRIGGER: [f64; 2] = [-0.05, 0.05];
-const FORESEEN: [f64; 2] = [0.0, 0.9];
-const REACH: [f64; 2] = [0.82, 0.965];
-const ALONG: [f64; 2] = [-0.05, 0.2];
-
 impl Tuning {
     /// The same for who stands and begins to fall: he steps later, a little less far, on lower hips and with either foot in turn, and heeds more of a
     /// push that goes on. With these dials more stand again (bench `ragdoll`: 93 % for 75 % after 150 to 200 Ns); for who is on his way they are
@@ -127,7 +121,7 @@ impl Tuning {
         turn(&mut longer, -0.10, 0.10);
         next.step.times.iter_mut().for_each(|time| *time = (*time + longer).clamp(0.16, 0.40));
         turn(&mut next.step.outside, 0.05, 0.35);
-        turn(&mut next.step.along, ALONG[0], ALONG[1]);
+        turn(&mut next.step.along, -0.05, 0.2);
         turn(&mut next.step.reach, 0.35, 0.6);
         turn(&mut next.step.span, 0.8, 1.2);
         turn(&mut next.step.clear, 0.08, 0.2);
@@ -135,14 +129,14 @@ impl Tuning {
         turn(&mut next.step.nudge[0], -0.2, 0.2);
         turn(&mut next.step.nudge[1], -0.2, 0.2);
         turn(&mut next.momentum, 0.7, 2.8);
-        turn(&mut next.trigger, TRIGGER[0], TRIGGER[1]);
+        turn(&mut next.trigger, -0.05, 0.05);
         turn(&mut next.cop_gain, 1.3, 4.0);
         turn(&mut next.moment[0], 40.0, 250.0);
         turn(&mut next.moment[1], 0.0, 700.0);
         turn(&mut next.pelvis[0], 30.0, 140.0);
-        turn(&mut next.foreseen, FORESEEN[0], FORESEEN[1]);
+        turn(&mut next.foreseen, 0.0, 0.9);
         turn(&mut next.lift[0], 0.05, 0.12);
-        turn(&mut next.reach[1], REACH[0], REACH[1]);
+        turn(&mut next.reach[1], 0.82, 0.965);
         turn(&mut next.weights[2], 0.05, 0.6);
         turn(&mut next.crouch, 0.0, 0.12);
         next
