@@ -1,4 +1,5 @@
-//! What the articulated body recovers from without looking ahead: shoves of the paper's range, by joint torques alone, each of another person.
+//! What the articulated body recovers from without looking ahead: shoves of the paper's range, by joint torques alone, each of another person;
+//! and that a clip whose run loses its balance says so.
 //!
 //! The shoves are those of `cargo bench --bench ragdoll -- pushes`: 10 to 500 N for 0.1 to 0.5 s at the chest, from anywhere, in bins of impulse, on
 //! seeds that nothing was tuned on.
@@ -12,7 +13,9 @@ mod shoves;
 use crate::common::builtin;
 use rayon::prelude::*;
 use shoves::{EDGES, WANTED, drawn, wilson};
+use surefoot::bake::{BakeOptions, Drive, bake};
 use surefoot::model::Terrain;
+use surefoot::model::report::Outcome;
 use surefoot::ragdoll::control::Assist;
 use surefoot::sim::{ArticulatedOptions, simulate_articulated};
 use surefoot::whole_body::reaction::Personality;
@@ -53,5 +56,26 @@ fn who_is_shoved_stands_as_often_as_is_wanted() {
             EDGES[bin],
             EDGES[bin + 1]
         );
+    }
+}
+
+#[test]
+fn a_clip_says_that_it_falls_wherever_its_run_loses_balance() {
+    let rig = builtin();
+    let options = BakeOptions { drive: Drive::Stepper, ..BakeOptions::default() };
+    let bins = [0, EDGES.len() - 2].into_iter();
+    let cases: Vec<_> = bins.flat_map(|bin| drawn(bin, COUNT / 4)).collect();
+    let clips: Vec<_> = cases
+        .into_par_iter()
+        .map(|shove| bake(&rig, &shove.scenario(shove.start + AFTER), &options).unwrap_or_else(|why| panic!("{why}")))
+        .collect();
+    let lost = clips.iter().filter(|clip| clip.performance.lost.is_some()).count();
+    println!("{lost} of {} lose balance by the stepper", clips.len());
+    assert!((COUNT / 16..clips.len()).contains(&lost), "{lost}: too few or all, so that this shows nothing");
+    for clip in clips {
+        let falls = clip.performance.lost.is_some();
+        let told = clip.report.events.iter().any(|event| event.name == "balance_lost");
+        let says = [clip.report.outcome == Outcome::Fall, clip.report.plausibility.falls, told, clip.fall().is_some()];
+        assert_eq!(says, [falls; 4], "outcome, score, event, fall: balance lost at {:?}", clip.performance.lost);
     }
 }

@@ -165,7 +165,7 @@ impl Baked {
         if self.report.outcome != Outcome::Fall {
             return None;
         }
-        let lost = self.performance.lost.filter(|lost| *lost <= self.report.duration + 1e-9);
+        let lost = self.performance.lost_within(self.report.duration);
         Some(match lost {
             Some(lost) if self.performance.timeline.falls() => Fall::Down(lost),
             Some(lost) => Fall::Ends(lost),

@@ -11,6 +11,11 @@ pub(crate) const NEAREST: f64 = 0.6e-3;
 /// s: contact edges nearer to each other than this are one. A little more, for what f32 makes of a time of minutes.
 pub(super) const SAME_EDGE: f64 = NEAREST + 0.05e-3;
 
+/// Whether a time is in a clip of that duration: the last key's time, as 32 bits store it, may be a hair before what it stands for.
+pub(super) fn within(time: f64, duration: f64) -> bool {
+    time as f32 <= duration as f32
+}
+
 /// The distinct times at which contacts start and end, rising.
 pub(super) fn edges(contacts: &[FootContact], duration: f64) -> Vec<f32> {
     let mut edges: Vec<f64> = contacts

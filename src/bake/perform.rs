@@ -7,6 +7,7 @@ use super::base::{Base, Over, over::whole};
 use super::carried::Carried;
 use super::cast::Cast;
 use super::contacts::FootContact;
+use super::key_times::within;
 use super::ragdoll::{self, Drive};
 use super::throws::Ball;
 use super::timeline::Timeline;
@@ -51,6 +52,13 @@ pub struct Performance {
     pub articulated: Option<ragdoll::Driven>,
     /// m, the farthest that the ZMP was out of the support before each pass of the filter.
     pub zmp_before_pass: Vec<f64>,
+}
+
+impl Performance {
+    /// s, where balance is lost in a clip of that duration (s).
+    pub fn lost_within(&self, duration: f64) -> Option<f64> {
+        self.lost.filter(|lost| within(*lost, duration))
+    }
 }
 
 /// Runs the scenario on a body, the stepper at the wheel.

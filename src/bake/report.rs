@@ -5,6 +5,7 @@
 
 use super::base;
 use super::contacts::{self, FootContact};
+use super::key_times::within;
 use super::obeys;
 use super::perform::Performance;
 use super::played::{Played, drift};
@@ -65,7 +66,7 @@ pub fn report(input: &ReportInput) -> (ClipReport, Option<Findings>, Vec<String>
     let setting = Setting { terrain, loads: &performance.timeline.loads, crouched, scuffs, goes };
     let mut findings = measure_in(motion, &setting, &held, &performance.pushes);
     let duration = input.clip.duration;
-    let steps = performance.trace.steps.iter().filter(|step| step.land <= duration).count() as u32;
+    let steps = performance.trace.steps.iter().filter(|step| within(step.land, duration)).count() as u32;
     let outcome = outcome(performance, findings.as_ref(), steps, duration);
     if let Some(found) = &mut findings {
         // A fall may begin where what is measured ends.
@@ -187,7 +188,7 @@ fn read_back(input: &ReportInput) -> Vec<BodyPose> {
 }
 
 fn outcome(performance: &Performance, findings: Option<&Findings>, steps: u32, duration: f64) -> Outcome {
-    if performance.lost.is_some_and(|lost| lost <= duration + 1e-9) {
+    if performance.lost_within(duration).is_some() {
         return Outcome::Fall;
     }
     findings.map_or(Outcome::Still, |findings| findings.balance.outcome(steps))
@@ -239,7 +240,7 @@ fn stood(performance: &Performance, side: Side) -> Vec<[f64; 2]> {
 fn events(performance: &Performance, (fallen, rest_from): (Option<f64>, Option<f64>), duration: f64) -> Vec<Event> {
     let mut events = Vec::new();
     let mut event = |time: f64, name: &str, foot: Option<Side>| {
-        if time <= duration {
+        if within(time, duration) {
             events.push(Event { time, name: name.into(), foot, bone: None, impulse: None });
         }
     };
@@ -265,7 +266,7 @@ fn events(performance: &Performance, (fallen, rest_from): (Option<f64>, Option<f
         event(time, "balance_regained", None);
     }
     let body = &performance.timeline.body;
-    for hit in performance.balls.iter().filter_map(|ball| ball.hit).filter(|hit| hit.push.start <= duration) {
+    for hit in performance.balls.iter().filter_map(|ball| ball.hit).filter(|hit| within(hit.push.start, duration)) {
         let bone = Some(body.joints[hit.joint].role.name().to_owned());
         let impulse = Some(hit.impulse.length());
         events.push(Event { time: hit.push.start, name: "ball_hit".into(), foot: None, bone, impulse });
@@ -336,7 +337,7 @@ fn weights(input: &ReportInput) -> Vec<Disturbance> {
 fn warnings(input: &ReportInput, outcome: Outcome, fallen: Option<f64>) -> Vec<String> {
     let mut warnings = Vec::new();
     let performance = input.performance;
-    let lost = performance.lost.filter(|lost| *lost <= input.clip.duration + 1e-9);
+    let lost = performance.lost_within(input.clip.duration);
     let articulated = performance.articulated.is_some();
     let scenario = input.scenario;
     // Over a base clip that walks it is to walk on.
