@@ -1,5 +1,5 @@
-//! What the articulated body recovers from without looking ahead: shoves of the paper's range, by joint torques alone, each of another person;
-//! and that a clip whose run loses its balance says so.
+//! What the articulated body recovers from: shoves of the paper's range, by joint torques alone, each of another person; and that a clip whose
+//! run loses its balance says so.
 //!
 //! The shoves are those of `cargo bench --bench ragdoll -- pushes`: 10 to 500 N for 0.1 to 0.5 s at the chest, from anywhere, in bins of impulse, on
 //! seeds that nothing was tuned on.
@@ -12,12 +12,12 @@ mod shoves;
 
 use crate::common::builtin;
 use rayon::prelude::*;
-use shoves::{EDGES, WANTED, drawn, wilson};
+use shoves::{AHEAD, EDGES, WANTED, drawn, wilson};
 use surefoot::bake::{BakeOptions, Drive, bake};
 use surefoot::model::Terrain;
 use surefoot::model::report::Outcome;
 use surefoot::ragdoll::control::Assist;
-use surefoot::sim::{ArticulatedOptions, simulate_articulated};
+use surefoot::sim::{Ahead, Articulated, ArticulatedOptions, simulate_articulated};
 use surefoot::whole_body::reaction::Personality;
 use surefoot::whole_body::{Anatomy, stand};
 
@@ -26,28 +26,35 @@ const COUNT: usize = 128;
 /// s, for how long a run goes on after its shove began: who falls has fallen by then.
 const AFTER: f64 = 5.0;
 
-#[test]
-fn who_is_shoved_stands_as_often_as_is_wanted() {
+/// The runs of that many people, each shoved by as many N s as the bin has.
+fn runs(bin: usize, count: usize, effort: u8) -> Vec<Option<Articulated>> {
     let body = builtin().body;
     let anatomy = Anatomy::new(&body);
     let physique = stand::physique(&body, &anatomy);
-    for (bin, wanted) in WANTED.into_iter().enumerate() {
-        let stands = |(person, shove): (u64, shoves::Shove)| {
-            let options = ArticulatedOptions {
-                duration: shove.start + AFTER,
-                extra: 0.0,
-                personality: Personality::drawn(person),
-                seed: person,
-                ..ArticulatedOptions::default()
-            };
-            let pushes = [(shove.known(&body), false)];
-            let flat = Terrain::flat();
-            let run =
-                simulate_articulated(&body, &anatomy, &physique, &flat, &options, &pushes, Assist::default()).ok();
-            run.is_some_and(|run| run.trace.lost.is_none())
+    let run = |(person, shove): (u64, shoves::Shove)| {
+        let options = ArticulatedOptions {
+            duration: shove.start + AFTER,
+            extra: 0.0,
+            personality: Personality::drawn(person),
+            seed: person,
+            ahead: Ahead { effort, ..Ahead::default() },
+            ..ArticulatedOptions::default()
         };
-        let cases: Vec<_> = (0..).zip(drawn(bin, COUNT)).collect();
-        let up = cases.into_par_iter().filter(|case| stands(*case)).count();
+        let pushes = [(shove.known(&body), false)];
+        simulate_articulated(&body, &anatomy, &physique, &Terrain::flat(), &options, &pushes, Assist::default()).ok()
+    };
+    let cases: Vec<_> = (0..).zip(drawn(bin, count)).collect();
+    cases.into_par_iter().map(run).collect()
+}
+
+fn stands(run: &Option<Articulated>) -> bool {
+    run.as_ref().is_some_and(|run| run.trace.lost.is_none())
+}
+
+#[test]
+fn who_is_shoved_stands_as_often_as_is_wanted() {
+    for (bin, wanted) in WANTED.into_iter().enumerate() {
+        let up = runs(bin, COUNT, 0).iter().filter(|run| stands(run)).count();
         let [low, high] = wilson(up, COUNT);
         println!("{} to {} Ns: {up} of {COUNT} stand ({low:.1} to {high:.1} %)", EDGES[bin], EDGES[bin + 1]);
         assert!(
@@ -56,6 +63,14 @@ fn who_is_shoved_stands_as_often_as_is_wanted() {
             EDGES[bin],
             EDGES[bin + 1]
         );
+    }
+}
+
+#[test]
+fn nobody_who_looks_ahead_falls_where_nobody_is_to() {
+    for bin in (0..EDGES.len() - 1).filter(|bin| AHEAD[*bin] == 100.0) {
+        let falls = runs(bin, 2 * COUNT, 1).iter().filter(|run| !stands(run)).count();
+        assert_eq!(falls, 0, "of {}, {} to {} Ns", 2 * COUNT, EDGES[bin], EDGES[bin + 1]);
     }
 }
 

@@ -125,6 +125,7 @@ pub struct Controller {
     pub(super) alarmed: f64,
     pub(super) fought: f64, // s, when it last stepped against a fall or was about to
     pub(super) eased: f64,  // s, when an unhurried step last landed
+    pub(super) landed: f64, // s, when any step of the law's own last landed
     pub(super) upper_inertia: f64,
     pub(super) stopped: Vec<DVec3>,
     pub(super) aimed: f64,
@@ -229,6 +230,7 @@ impl Controller {
             alarmed: f64::NEG_INFINITY,
             fought: f64::NEG_INFINITY,
             eased: f64::NEG_INFINITY,
+            landed: f64::NEG_INFINITY,
             upper_inertia: figure.links[figure.trunk].carried + figure.links[0].carried.min(3.0),
             middle,
         }

@@ -29,6 +29,10 @@ const EDGE: f64 = 0.01;
 /// Ticks for which a foot waits for the other one to bear: who falls away from that one waits in vain. And on treads, where a foot that lands
 /// takes longer to bear: of 80 who are shoved amid flights up 5 fall with 3 and 4 with 12.
 const WAITS: [usize; 2] = [3, 12];
+/// s at legs of 0.83 m, in which a foot that has landed takes weight: it does not leave sooner for the next step against a fall. A foot that
+/// only grazes the ground would be lifted again and again, and the body falls over it. Of 256 who are shoved by 150 to 200 Ns 93.4 % stand
+/// without it and 94.9 % with 0.05, 0.1 or 0.2.
+const TAKES_WEIGHT: f64 = 0.1;
 /// Share of a step against a fall at which its foot is over its place.
 const ARRIVES: f64 = 0.95;
 /// Upward part of a normal at least: ground that is steeper holds no foot.
@@ -120,6 +124,7 @@ impl Controller {
             if down && passed > if near { 0.5 } else { 0.7 } * swing.time {
                 self.swing = None;
                 self.last = Some(swing.side);
+                self.landed = self.time;
                 if swing.comfort {
                     self.eased = self.time;
                 }
@@ -157,6 +162,10 @@ impl Controller {
                 let cop = closest_point(&hull, xi).unwrap_or(xi);
                 let situation = self.situation(figure, terrain, xi, rate, cop);
                 let target = catch::choose(&situation, &self.against_a_fall().step);
+                if self.last == Some(target.side) && self.time - self.landed < TAKES_WEIGHT * self.tempo() {
+                    self.leaving = None;
+                    return;
+                }
                 // A foot leaves when the other bears.
                 let weight = self.motion.mass * GRAVITY * dt;
                 let waited = self.leaving.map_or(0, |(_, ticks)| ticks);
