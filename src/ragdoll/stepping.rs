@@ -114,92 +114,110 @@ impl Controller {
         if self.led(figure, terrain, pressed, dt) {
             return;
         }
-        if let Some(mut swing) = self.swing {
-            let passed = self.time - swing.start;
-            let (ankle, _) = self.foot(figure, swing.side);
-            let near = (flat(ankle) - self.slants[swing.side as usize] + self.ahead(swing.side, swing.yaw))
-                .distance(swing.target)
-                < 0.10 * self.size;
-            let down = pressed[swing.side as usize];
-            if down && passed > if near { 0.5 } else { 0.7 } * swing.time {
-                self.swing = None;
-                self.last = Some(swing.side);
-                self.landed = self.time;
-                if swing.comfort {
-                    self.eased = self.time;
-                }
-                self.report.steps += 1;
-                // Who lands wide goes on over the foot that landed and brings the other along.
-                let apart = self.sole_middle(figure, Side::Left).distance(self.sole_middle(figure, Side::Right));
-                let wide = self.stance.as_ref().map_or(0.0, |stance| stance.apart.length() + 0.1 * self.size);
-                if apart > wide.max(self.tuning.wide * self.size) {
-                    self.shifting = Some((swing.side.other(), self.time - self.tuning.onwards * self.size.sqrt()));
-                }
-            } else {
-                let left = (swing.time - passed).max(0.0);
-                let hull = self.hull(figure);
-                if swing.comfort && signed_distance(&hull, xi) > 0.03 * self.size {
-                    swing.comfort = false;
-                }
-                if !swing.comfort && passed < 0.85 * swing.time {
-                    let cop = closest_point(&hull, xi).unwrap_or(xi);
-                    let situation = self.situation(figure, terrain, xi, rate, cop);
-                    swing.target = catch::aim(&situation, &self.against_a_fall().step, swing.side, swing.time, left).at;
-                }
-                self.carry_on(figure, swing, terrain, down, dt);
+        if let Some(swing) = self.swing {
+            self.land(figure, terrain, swing, pressed[swing.side as usize], (xi, rate), dt);
+        }
+        if self.swing.is_some() {
+            return;
+        }
+        let hull = self.hull(figure);
+        let falls = if self.projected { flat(self.motion.com) } else { xi };
+        let out = signed_distance(&shrink(&hull, self.tuning.shrunk * self.size), falls);
+        // Who has just set a foot beside the other has balance over that other foot, near its edge as in the swing.
+        let eased = self.time - self.eased < EASED * self.tempo() || self.sways(figure);
+        let trigger = if eased { self.tuning.shrunk } else { self.against_a_fall().trigger };
+        let upright = terrain.spot(flat(self.motion.com)).normal.y;
+        let trigger = trigger + BIDES * ((LEANS[0] - upright) / (LEANS[0] - LEANS[1])).clamp(0.0, 1.0);
+        if out > trigger * self.size {
+            let cop = closest_point(&hull, xi).unwrap_or(xi);
+            let situation = self.situation(figure, terrain, xi, rate, cop);
+            self.step_off(figure, &situation, loads, dt);
+        } else {
+            self.leaving = None;
+            // Who stands as given is brought there (`sim::homeward`), but for the foot that a wide landing brings along.
+            if self.stance.is_none() || self.shifting.is_some() {
+                self.comfort(figure, loads, xi, out, dt);
             }
         }
-        if self.swing.is_none() {
-            let hull = self.hull(figure);
-            let falls = if self.projected { flat(self.motion.com) } else { xi };
-            let out = signed_distance(&shrink(&hull, self.tuning.shrunk * self.size), falls);
-            // Who has just set a foot beside the other has balance over that other foot, near its edge as in the swing.
-            let eased = self.time - self.eased < EASED * self.tempo() || self.sways(figure);
-            let trigger = if eased { self.tuning.shrunk } else { self.against_a_fall().trigger };
-            let upright = terrain.spot(flat(self.motion.com)).normal.y;
-            let trigger = trigger + BIDES * ((LEANS[0] - upright) / (LEANS[0] - LEANS[1])).clamp(0.0, 1.0);
-            if out > trigger * self.size {
-                let cop = closest_point(&hull, xi).unwrap_or(xi);
-                let situation = self.situation(figure, terrain, xi, rate, cop);
-                let target = catch::choose(&situation, &self.against_a_fall().step);
-                if self.last == Some(target.side) && self.time - self.landed < TAKES_WEIGHT * self.tempo() {
-                    self.leaving = None;
-                    return;
-                }
-                // A foot leaves when the other bears.
-                let weight = self.motion.mass * GRAVITY * dt;
-                let waited = self.leaving.map_or(0, |(_, ticks)| ticks);
-                let most = WAITS[usize::from(self.stairs)];
-                if loads[target.side.other() as usize] < self.tuning.borne * weight && waited < most {
-                    self.leaving = Some((target.side, waited + 1));
-                    return;
-                }
-                self.leaving = None;
-                self.shifting = None;
-                let (ankle, yaw) = self.foot(figure, target.side);
-                let ground = ankle - DVec3::Y * figure.ankle_height;
-                let travel = target.at.distance(situation.feet[target.side as usize]);
-                self.swing = Some(Swing {
-                    side: target.side,
-                    start: self.time,
-                    time: target.time,
-                    target: target.at,
-                    from: ground,
-                    lift: self.tuning.lift[0] * self.size + self.tuning.lift[1] * (travel - 0.4 * self.size).max(0.0),
-                    reference: Reference { at: ground, ..Reference::default() },
-                    comfort: false,
-                    yaw,
-                    spin: 0.0,
-                    free: false,
-                });
-            } else {
-                self.leaving = None;
-                // Who stands as given is brought there (`sim::homeward`), but for the foot that a wide landing brings along.
-                if self.stance.is_none() || self.shifting.is_some() {
-                    self.comfort(figure, loads, xi, out, dt);
-                }
+    }
+
+    /// Ends a swing whose foot is `down` when it may be, or takes it on towards where the body falls.
+    fn land(
+        &mut self,
+        figure: &Figure,
+        terrain: &Terrain,
+        mut swing: Swing,
+        down: bool,
+        (xi, rate): (DVec2, f64),
+        dt: f64,
+    ) {
+        let passed = self.time - swing.start;
+        let (ankle, _) = self.foot(figure, swing.side);
+        let near = (flat(ankle) - self.slants[swing.side as usize] + self.ahead(swing.side, swing.yaw))
+            .distance(swing.target)
+            < 0.10 * self.size;
+        if down && passed > if near { 0.5 } else { 0.7 } * swing.time {
+            self.swing = None;
+            self.last = Some(swing.side);
+            self.landed = self.time;
+            if swing.comfort {
+                self.eased = self.time;
             }
+            self.report.steps += 1;
+            // Who lands wide goes on over the foot that landed and brings the other along.
+            let apart = self.sole_middle(figure, Side::Left).distance(self.sole_middle(figure, Side::Right));
+            let wide = self.stance.as_ref().map_or(0.0, |stance| stance.apart.length() + 0.1 * self.size);
+            if apart > wide.max(self.tuning.wide * self.size) {
+                self.shifting = Some((swing.side.other(), self.time - self.tuning.onwards * self.size.sqrt()));
+            }
+            return;
         }
+        let left = (swing.time - passed).max(0.0);
+        let hull = self.hull(figure);
+        if swing.comfort && signed_distance(&hull, xi) > 0.03 * self.size {
+            swing.comfort = false;
+        }
+        if !swing.comfort && passed < 0.85 * swing.time {
+            let cop = closest_point(&hull, xi).unwrap_or(xi);
+            let situation = self.situation(figure, terrain, xi, rate, cop);
+            swing.target = catch::aim(&situation, &self.against_a_fall().step, swing.side, swing.time, left).at;
+        }
+        self.carry_on(figure, swing, terrain, down, dt);
+    }
+
+    /// Begins a step against a fall, as soon as its foot may leave.
+    fn step_off(&mut self, figure: &Figure, situation: &Situation, loads: [f64; 2], dt: f64) {
+        let target = catch::choose(situation, &self.against_a_fall().step);
+        if self.last == Some(target.side) && self.time - self.landed < TAKES_WEIGHT * self.tempo() {
+            self.leaving = None;
+            return;
+        }
+        // A foot leaves when the other bears.
+        let weight = self.motion.mass * GRAVITY * dt;
+        let waited = self.leaving.map_or(0, |(_, ticks)| ticks);
+        let most = WAITS[usize::from(self.stairs)];
+        if loads[target.side.other() as usize] < self.tuning.borne * weight && waited < most {
+            self.leaving = Some((target.side, waited + 1));
+            return;
+        }
+        self.leaving = None;
+        self.shifting = None;
+        let (ankle, yaw) = self.foot(figure, target.side);
+        let ground = ankle - DVec3::Y * figure.ankle_height;
+        let travel = target.at.distance(situation.feet[target.side as usize]);
+        self.swing = Some(Swing {
+            side: target.side,
+            start: self.time,
+            time: target.time,
+            target: target.at,
+            from: ground,
+            lift: self.tuning.lift[0] * self.size + self.tuning.lift[1] * (travel - 0.4 * self.size).max(0.0),
+            reference: Reference { at: ground, ..Reference::default() },
+            comfort: false,
+            yaw,
+            spin: 0.0,
+            free: false,
+        });
     }
 
     /// m, the place nearest to that one, along z, where a foot's sole is off the edges of the ground.
