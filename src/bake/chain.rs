@@ -8,6 +8,7 @@ use crate::model::{Side, report::Part};
 use crate::rig::Rig;
 use crate::rig::animate::Poser;
 use glam::{DAffine3, DQuat, DVec3};
+use std::ops::Range;
 
 /// The chain of nodes that carries a few points.
 #[derive(Clone, Debug)]
@@ -15,7 +16,8 @@ pub(super) struct Chain {
     base: DAffine3,                   // scenario space from the document's world
     new_root: [Option<usize>; 2],     // tracks: translation, rotation
     links: Vec<Link>,                 // parents first
-    points: Vec<Vec<(usize, DVec3)>>, // by set; link, point in its node
+    points: Vec<(usize, DVec3)>,      // set after set; link, point in its node
+    ends: Vec<usize>,                 // of each set, in them
 }
 
 /// The sets of a foot's chain, in the order of the enumeration.
@@ -65,16 +67,16 @@ impl Chain {
         track: TrackOf,
         new_root: [Option<usize>; 2],
     ) -> Chain {
-        let mut chain = Chain { base: rig.scenario_from_document(), new_root, links: Vec::new(), points: Vec::new() };
+        let mut chain = Chain { base: rig.scenario_from_document(), new_root, links: Vec::new(), points: Vec::new(), ends: Vec::new() };
         for set in sets {
-            let mut points = Vec::new();
             for (joint, offset) in set {
                 let node = node_of(rig, *joint);
                 let local = poser.reference_globals()[node].inverse();
                 let place = local.transform_point3(rig.body.joints[*joint].rest + *offset);
-                points.push((chain.link(rig, poser, track, node), place));
+                let link = chain.link(rig, poser, track, node);
+                chain.points.push((link, place));
             }
-            chain.points.push(points);
+            chain.ends.push(chain.points.len());
         }
         let first = sets.iter().flatten().next();
         if first.is_none_or(|(joint, _)| !poser.under_new_root(node_of(rig, *joint))) {
@@ -101,13 +103,30 @@ impl Chain {
 
     /// The points that a contact of `part` holds, with the value of each track as `value` gives it.
     pub(super) fn held(&self, part: Part, value: &dyn Fn(usize) -> Value) -> Held {
-        let places = self.places(&[part as usize], value);
+        let places = self.places(part as usize, value);
         let first = places.first().copied().unwrap_or_default();
         Held([first, places.get(1).copied().unwrap_or(first)])
     }
 
-    /// The points of these sets, with the value of each track as `value` gives it.
-    pub(super) fn places(&self, sets: &[usize], value: &dyn Fn(usize) -> Value) -> Vec<DVec3> {
+    /// How many sets it has.
+    pub(super) fn sets(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Which of all points a set's are; none where there is no such set.
+    pub(super) fn points_of(&self, set: usize) -> Range<usize> {
+        let end = self.ends.get(set).copied().unwrap_or(self.points.len());
+        let start = if set == 0 { 0 } else { self.ends.get(set - 1).copied().unwrap_or(end) };
+        start..end
+    }
+
+    /// The points of a set, with the value of each track as `value` gives it.
+    pub(super) fn places(&self, set: usize, value: &dyn Fn(usize) -> Value) -> Vec<DVec3> {
+        self.all_places(value).drain(self.points_of(set)).collect()
+    }
+
+    /// All points, set after set.
+    pub(super) fn all_places(&self, value: &dyn Fn(usize) -> Value) -> Vec<DVec3> {
         let mut base = self.base;
         if self.new_root.iter().any(Option::is_some) {
             let translation = self.new_root[0].map_or(DVec3::ZERO, |track| vector(&value(track)));
@@ -121,8 +140,7 @@ impl Chain {
             let local = DAffine3::from_scale_rotation_translation(link.rest.scale, rotation, translation);
             globals.push(link.parent.map_or(base, |parent| globals[parent]) * local);
         }
-        let points = sets.iter().filter_map(|set| self.points.get(*set)).flatten();
-        points.map(|(link, point)| globals[*link].transform_point3(*point)).collect()
+        self.points.iter().map(|(link, point)| globals[*link].transform_point3(*point)).collect()
     }
 }
 

@@ -64,13 +64,17 @@ const STILL: f64 = 0.1;
 /// Of a value: what f32 makes of it.
 const ROUNDING: f64 = 5.0e-7;
 
-/// Points that are watched while a group gets its keys.
+/// Points of a chain that are watched while a group gets its keys.
 struct Watch<'a> {
-    chain: &'a Chain,
-    sets: Vec<usize>,
-    exact: Vec<&'a [Vec<DVec3>]>, // by set, (frames): as the poses have them
-    most: f64,                    // m
-    fastest: f64,                 // m/s
+    posed: &'a Posed,
+    bounds: Vec<Bound>,
+}
+
+/// How far the points of a chain's set may be off, m, and how fast they may go, m/s.
+struct Bound {
+    set: usize,
+    most: f64,
+    fastest: f64,
 }
 
 /// Tracks that get keys at the same times.
@@ -87,30 +91,30 @@ struct Off {
     farthest: f64, // of what may be off, the most
 }
 
-/// By the times (s) of both frames: what is known of lines does not change while other frames are put in.
-type Offs = BTreeMap<[u32; 2], Off>;
+/// What is known of the lines from a frame to the next, by the times (s) of the frames that it hangs on: it does not change while other frames
+/// are put in.
+#[derive(Default)]
+struct Known {
+    offs: BTreeMap<[u32; 2], Off>,
+    bends: BTreeMap<[u32; 4], f64>, // m, see `bends`; by the frame before, both and the one after
+}
 
-/// Chains with the places of their points at every frame.
+/// Chains with the places of all their points at every frame.
 struct Posed {
     chain: Chain,
-    exact: Vec<Vec<Vec<DVec3>>>, // (sets, frames)
+    exact: Vec<Vec<DVec3>>, // (frames, points)
 }
 
 impl Posed {
-    fn new(chain: &Chain, sets: usize, tracks: &[Track], frames: usize) -> Posed {
-        let at = |set: usize, frame: usize| chain.places(&[set], &|track| tracks[track].frames[frame].value);
-        let exact = (0..sets).map(|set| (0..frames).map(|frame| at(set, frame)).collect()).collect();
-        Posed { chain: chain.clone(), exact }
+    fn new(chain: &Chain, tracks: &[Track], frames: usize) -> Posed {
+        let at = |frame: usize| chain.all_places(&|track| tracks[track].frames[frame].value);
+        Posed { chain: chain.clone(), exact: (0..frames).map(at).collect() }
     }
 
-    fn watch(&self, sets: &[usize], most: f64) -> Watch<'_> {
-        let exact = sets.iter().map(|set| &self.exact[*set][..]).collect();
-        Watch { chain: &self.chain, sets: sets.to_vec(), exact, most, fastest: f64::INFINITY }
-    }
-
-    /// The points that a part of the foot holds still.
-    fn held(&self, part: Part, near: Near) -> Watch<'_> {
-        Watch { fastest: near.pace, ..self.watch(&[part as usize], PLANTED * near.size) }
+    /// All of them.
+    fn watch(&self, most: f64) -> Watch<'_> {
+        let bound = |set| Bound { set, most, fastest: f64::INFINITY };
+        Watch { posed: self, bounds: (0..self.chain.sets()).map(bound).collect() }
     }
 }
 
@@ -147,12 +151,19 @@ impl<'a> Group<'a> {
 }
 
 impl Watch<'_> {
+    /// The points that a part of the foot holds still too.
+    fn hold(&mut self, part: Part, near: Near) {
+        self.bounds.push(Bound { set: part as usize, most: PLANTED * near.size, fastest: near.pace });
+    }
+
     /// Whether the points are where they should be at a frame of a line of that many seconds.
     fn is_close(&self, frame: usize, seconds: f64, value: &dyn Fn(usize) -> Value) -> bool {
-        let most = self.most.min(self.fastest * seconds / 4.0);
-        let places = self.chain.places(&self.sets, value);
-        let exact = self.exact.iter().flat_map(|frames| &frames[frame]);
-        places.iter().zip(exact).all(|(place, exact)| place.distance(*exact) <= most)
+        let Posed { chain, exact } = self.posed;
+        let places = chain.all_places(value);
+        self.bounds.iter().all(|bound| {
+            let most = bound.most.min(bound.fastest * seconds / 4.0);
+            chain.points_of(bound.set).all(|point| places[point].distance(exact[frame][point]) <= most)
+        })
     }
 }
 
@@ -213,7 +224,7 @@ impl Frames<'_> {
         ];
         let parts = Parts::new(self, legs, &trunk, &arms);
         let mut pace = f64::INFINITY;
-        let mut known = Offs::new();
+        let mut known = Known::default();
         loop {
             let near = Near { size, pace };
             let mut rounds = 0..ROUNDS;
@@ -232,8 +243,8 @@ impl Frames<'_> {
         for (chain, tracks, most) in
             [(&trunk, &parts.trunk, TRUNK), (left, &parts.arms[0], HANDS), (right, &parts.arms[1], HANDS)]
         {
-            let posed = Posed::new(chain, 1, &self.tracks, times.len());
-            self.lay_all(tracks, vec![posed.watch(&[0], most * size)], &times);
+            let posed = Posed::new(chain, &self.tracks, times.len());
+            self.lay_all(tracks, vec![posed.watch(most * size)], &times);
         }
         for track in &parts.others {
             self.lay_all(track, Vec::new(), &times);
@@ -254,17 +265,17 @@ impl Frames<'_> {
         legs: &[Chain; 2],
         upper: [&Chain; 3],
         near: Near,
-        known: &mut Offs,
+        known: &mut Known,
     ) -> bool {
         let mut new = Vec::new();
         for at in 0..self.times.len() - 1 {
             let [from, to] = [self.times[at], self.times[at + 1]];
             let most = (f64::from(to - from) / CLOSEST).floor();
-            if most < 2.0 || self.bends(at) < BENT * near.size {
+            if most < 2.0 || self.bends(at, &mut known.bends) < BENT * near.size {
                 continue;
             }
             let ends = [from.to_bits(), to.to_bits()];
-            let off = *known.entry(ends).or_insert_with(|| self.off_between(at, contacts, legs, upper, near.size));
+            let off = *known.offs.entry(ends).or_insert_with(|| self.off_between(at, contacts, legs, upper, near.size));
             // Half as long a line is off by a quarter, and its ends move half as fast.
             let off = off.farthest.sqrt().max(4.0 * off.planted / (near.pace * f64::from(to - from)));
             let pieces = off.ceil().min(most) as usize;
@@ -279,18 +290,24 @@ impl Frames<'_> {
         let [from, to] = [self.times[at], self.times[at + 1]];
         let exact = self.values_at(f64::from(from) + f64::from(to - from) / 2.0);
         let exact: Vec<Value> = exact.into_iter().map(stored).collect();
-        let off = |chain: &Chain, sets: &[usize]| {
-            let line = chain.places(sets, &|track| self.tracks[track].line(at, at + 1, 0.5));
-            let exact = chain.places(sets, &|track| exact[track]);
-            line.iter().zip(&exact).map(|(line, exact)| line.distance(*exact)).fold(0.0, f64::max) / size
+        let off = |chain: &Chain| -> Vec<f64> {
+            let line = chain.all_places(&|track| self.tracks[track].line(at, at + 1, 0.5));
+            let exact = chain.all_places(&|track| exact[track]);
+            line.iter().zip(&exact).map(|(line, exact)| line.distance(*exact) / size).collect()
         };
+        let most = |off: &[f64]| off.iter().copied().fold(0.0, f64::max);
+        let feet = legs.each_ref().map(off);
         let planted = contacts
             .iter()
             .filter(|held| held.1 <= from && to <= held.2)
-            .map(|held| off(&legs[held.0.side as usize], &[held.0.part as usize]))
+            .flat_map(|(held, ..)| {
+                let side = held.side as usize;
+                legs[side].points_of(held.part as usize).map(move |point| (side, point))
+            })
+            .map(|(side, point)| feet[side][point])
             .fold(0.0, f64::max);
-        let swung = legs.iter().map(|leg| off(leg, &[0, 1, 2])).fold(0.0, f64::max);
-        let [trunk, left, right] = upper.map(|chain| off(chain, &[0]));
+        let swung = feet.iter().map(|off| most(off)).fold(0.0, f64::max);
+        let [trunk, left, right] = upper.map(|chain| most(&off(chain)));
         let farthest = [planted / PLANTED, swung / SWUNG, trunk / TRUNK, left / HANDS, right / HANDS]
             .into_iter()
             .fold(0.0, f64::max);
@@ -298,8 +315,9 @@ impl Frames<'_> {
     }
 
     /// m, about: how far off lines between a frame and the next may be, by what bends from the one before to the one after.
-    fn bends(&self, at: usize) -> f64 {
+    fn bends(&self, at: usize, known: &mut BTreeMap<[u32; 4], f64>) -> f64 {
         let (before, after) = (at.saturating_sub(1), (at + 2).min(self.times.len() - 1));
+        let around = [before, at, at + 1, after].map(|frame| self.times[frame].to_bits());
         let bent = |track: &Track| {
             let share = |from: usize, to: usize| {
                 f64::from((self.times[to] - self.times[from]) / (self.times[after] - self.times[before]))
@@ -307,14 +325,14 @@ impl Frames<'_> {
             let off = |frame: usize| track.bent(before, frame, after, share(before, frame));
             off(at).max(off(at + 1)) * if track.rotates { 2.0 } else { track.unit }
         };
-        self.tracks.iter().map(bent).fold(0.0, f64::max)
+        *known.entry(around).or_insert_with(|| self.tracks.iter().map(bent).fold(0.0, f64::max))
     }
 
     /// Hips and legs.
     fn lay_legs(&mut self, contacts: &[Held], legs: &[Chain; 2], parts: &Parts, near: Near) {
         let times = self.clock();
         self.begin(parts, &times, near.size);
-        let posed = [0, 1].map(|side| Posed::new(&legs[side], PARTS.len(), &self.tracks, times.len()));
+        let posed = [0, 1].map(|side| Posed::new(&legs[side], &self.tracks, times.len()));
         self.lay_standing(contacts, parts, &posed, &times, near);
         self.lay_swinging(contacts, parts, &posed, &times, near.size);
     }
@@ -329,7 +347,7 @@ impl Frames<'_> {
                 let frame = times.partition_point(|frame| *frame <= time).clamp(1, times.len() - 1) - 1;
                 let share = ((time - times[frame]) / (times[frame + 1] - times[frame])).clamp(0.0, 1.0);
                 let value = |track: usize| self.tracks[track].reduced(&times, frame, share);
-                legs[contact.side as usize].places(&[contact.part as usize], &value)
+                legs[contact.side as usize].places(contact.part as usize, &value)
             };
             let [first, last] = [(f64::from(*start) / step).ceil(), (f64::from(*end) / step).floor()];
             let mut before = places(first * step);
@@ -389,13 +407,13 @@ impl Frames<'_> {
         for span in cuts.windows(2) {
             let mut tracks = parts.hips.clone();
             // The legs have all of their frames until they are laid: what is off at a foot in the air is off by the hips.
-            let mut watches: Vec<Watch> = posed.iter().map(|leg| leg.watch(&[0, 1, 2], CARRIED * near.size)).collect();
+            let mut watches: Vec<Watch> = posed.iter().map(|leg| leg.watch(CARRIED * near.size)).collect();
             for (contact, start, end) in contacts {
                 if self.frame_at(*start) <= span[0] && span[1] <= self.frame_at(*end) {
                     let side = contact.side as usize;
                     tracks.extend(&parts.legs[side]);
-                    watches.push(posed[side].held(contact.part, near));
-                    watches[side].most = SWUNG * near.size;
+                    watches[side].bounds.iter_mut().take(PARTS.len()).for_each(|bound| bound.most = SWUNG * near.size);
+                    watches[side].hold(contact.part, near);
                 }
             }
             let group = Group::new(&self.tracks, tracks.into_iter(), watches);
@@ -416,7 +434,7 @@ impl Frames<'_> {
             let mut from = 0;
             for (start, end) in held {
                 if start > from {
-                    let watches = vec![posed[side].watch(&[0, 1, 2], SWUNG * size)];
+                    let watches = vec![posed[side].watch(SWUNG * size)];
                     let group = Group::new(&self.tracks, parts.legs[side].iter().copied(), watches);
                     self.lay(&group, times, from, start);
                 }

@@ -269,17 +269,12 @@ impl Track {
     /// it has the corner's own.
     pub(super) fn settle(&mut self, times: &[f64]) {
         let count = self.keep.len();
-        self.around.resize(count, (0, 0));
-        self.fits.resize(count, Fit::default());
-        self.own.resize(count, false);
-        let mut before: Option<DVec4> = None;
-        for frame in 0..count {
-            let Frame { value, slopes } = self.frames[frame];
-            let opposite = self.rotates && before.is_some_and(|before| before.dot(four(&value)) < 0.0);
-            let turned = |value: &Value| if opposite { -four(value) } else { four(value) };
-            before = Some(turned(&value));
-            self.fits[frame] = Fit { value: turned(&value), slopes: slopes.each_ref().map(turned) };
+        // Frames are put in and never changed; straight lines have no slopes.
+        if !self.straight || self.fits.len() != count {
+            self.fit();
         }
+        self.around.resize(count, (0, 0));
+        self.own.resize(count, false);
         let last = self.keep.iter().rposition(|keep| *keep).unwrap_or(0);
         for end in [0, last] {
             let slow =
@@ -288,6 +283,18 @@ impl Track {
         }
         self.settle_between(times, 0, last);
         self.around[last..].fill((last, last));
+    }
+
+    /// Every frame as a key of its own, rotations on the side of the one before.
+    fn fit(&mut self) {
+        let mut before: Option<DVec4> = None;
+        self.fits.clear();
+        for Frame { value, slopes } in self.frames.iter().take(self.keep.len()) {
+            let opposite = self.rotates && before.is_some_and(|before| before.dot(four(value)) < 0.0);
+            let turned = |value: &Value| if opposite { -four(value) } else { four(value) };
+            before = Some(turned(value));
+            self.fits.push(Fit { value: turned(value), slopes: slopes.each_ref().map(turned) });
+        }
     }
 
     /// The same between two keys, whose slopes stay.

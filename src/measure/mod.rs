@@ -180,7 +180,8 @@ pub struct Track<'a> {
     pub scuffs: &'a [Scuff],
     /// Whether it is asked to walk where the motion ends.
     pub goes: bool,
-    positions: Vec<DVec3>, // (samples x joints), sample-major
+    positions: Vec<DVec3>,       // (samples x joints), sample-major
+    touched: Vec<scuff::Touched>, // (scuffs)
 }
 
 impl<'a> Track<'a> {
@@ -195,7 +196,7 @@ impl<'a> Track<'a> {
             pose.positions_into(motion.body, &mut one);
             positions.extend_from_slice(&one);
         }
-        Some(Track { motion, terrain: None, loads: &[], crouched: 0.0, scuffs: &[], goes: false, positions })
+        Some(Track { motion, terrain: None, loads: &[], crouched: 0.0, scuffs: &[], goes: false, positions, touched: Vec::new() })
     }
 
     /// The same over a ground that is known.
@@ -219,9 +220,10 @@ impl<'a> Track<'a> {
         Track { goes, ..self }
     }
 
-    /// The same whose feet scuff.
+    /// The same whose feet scuff, over a ground that is known by then.
     pub fn scuffing(self, scuffs: &'a [Scuff]) -> Track<'a> {
-        Track { scuffs, ..self }
+        let touched = scuffs.iter().map(|scuff| scuff::Touched::new(&self, scuff)).collect();
+        Track { scuffs, touched, ..self }
     }
 
     /// kg, the body and what it carries at a sample.

@@ -36,6 +36,27 @@ pub struct Touching {
     pub points: Vec<DVec3>,
 }
 
+/// The same at every sample of a scuff.
+#[derive(Clone, Debug)]
+pub(super) struct Touched {
+    first: usize,
+    samples: Vec<Option<Touching>>,
+}
+
+impl Touched {
+    pub(super) fn new(track: &Track, scuff: &Scuff) -> Touched {
+        let samples = track.motion.samples_in(scuff.start, scuff.end);
+        Touched { first: samples.start, samples: samples.map(|sample| touching(track, scuff.side, sample)).collect() }
+    }
+
+    /// Where it touches in a span of time (s) of the scuff, and what of it.
+    pub(super) fn in_span(&self, track: &Track, [start, end]: [f64; 2]) -> impl Iterator<Item = &Touching> {
+        let span = track.motion.samples_in(start, end);
+        let [from, to] = [span.start, span.end].map(|at| at.saturating_sub(self.first).min(self.samples.len()));
+        self.samples[from..to.max(from)].iter().flatten()
+    }
+}
+
 /// What of a foot's sole touches the ground at a sample; `None` where it is in the air or the ground is not known.
 pub fn touching(track: &Track, side: Side, sample: usize) -> Option<Touching> {
     let time = track.motion.time(sample);

@@ -4,8 +4,8 @@
 //! of it. Sole vertices are taken at the pose and projected onto the contact's plane along its normal, so that a sole
 //! that hovers or sinks by a hair supports as the contact claims; `feet` says by how much it does.
 
-use super::scuff::{Touching, touching};
-use super::{HeldContact, Track};
+use super::scuff::Touching;
+use super::{HeldContact, Scuff, Track};
 use crate::maths::hull::{closest_point, convex_hull, signed_distance};
 use crate::model::{Body, FootShape, Side, report::Part};
 use glam::{DVec2, DVec3, dvec3};
@@ -93,13 +93,10 @@ pub fn support_near(track: &Track, contacts: &[HeldContact], sample: usize, near
 }
 
 /// What of the feet that scuff then or just before or after touches the ground in that time.
-fn touching_then(track: &Track, time: f64) -> Vec<Touching> {
-    let mut found: Vec<Touching> = Vec::new();
-    for scuff in track.scuffs {
-        let near = track.motion.samples_in(scuff.start.max(time - SMEARED), scuff.end.min(time + SMEARED));
-        found.extend(near.filter_map(|sample| touching(track, scuff.side, sample)));
-    }
-    found
+fn touching_then<'t>(track: &'t Track, time: f64) -> Vec<&'t Touching> {
+    let near = |scuff: &Scuff| [scuff.start.max(time - SMEARED), scuff.end.min(time + SMEARED)];
+    let scuffs = track.scuffs.iter().zip(&track.touched);
+    scuffs.flat_map(|(scuff, touched)| touched.in_span(track, near(scuff))).collect()
 }
 
 /// The hull alone: (x, z) on level ground; empty in flight.
@@ -140,7 +137,7 @@ pub fn part_points(track: &Track, sample: usize, side: Side, part: Part, out: &m
     let body = track.motion.body;
     let foot = &body.feet[side as usize];
     let rear = |out: &mut Vec<DVec3>, from: f64| {
-        let kept = foot.rear_sole.iter().filter(|offset| along(foot, **offset) <= from);
+        let kept = foot.rear_sole.iter().filter(|offset| from == f64::INFINITY || along(foot, **offset) <= from);
         out.extend(kept.map(|offset| track.rigid_point(sample, foot.ankle, *offset)));
     };
     let front = |out: &mut Vec<DVec3>| match foot.toe {

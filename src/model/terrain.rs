@@ -39,7 +39,8 @@ pub struct Terrain {
     /// Coulomb coefficient.
     pub friction: f64,
     waves: [Wave; WAVES],
-    tilt: DQuat, // of a platform that is held still
+    tilt: DQuat,         // of a platform that is held still
+    lean: (f64, DVec3), // of a slope: m a metre by which it rises, unit normal
 }
 
 /// One plane wave of uneven ground.
@@ -105,7 +106,13 @@ impl Terrain {
                 };
             }
         }
-        Terrain { kind: ground.kind.clone(), friction: ground.friction, waves, tilt: DQuat::IDENTITY }
+        let lean = match ground.kind {
+            GroundKind::Slope { angle } => {
+                (real::tan(angle), DVec3::new(0.0, real::cos(angle), -real::sin(angle)))
+            }
+            _ => (0.0, DVec3::Y),
+        };
+        Terrain { kind: ground.kind.clone(), friction: ground.friction, waves, tilt: DQuat::IDENTITY, lean }
     }
 
     /// The plane y = 0 with friction 1.
@@ -238,11 +245,7 @@ impl Terrain {
                 Spot { height, normal, holds: true }
             }
             GroundKind::Flat | GroundKind::Platform { .. } => level(0.0),
-            GroundKind::Slope { angle } => Spot {
-                height: at.y * real::tan(angle),
-                normal: DVec3::new(0.0, real::cos(angle), -real::sin(angle)),
-                holds: true,
-            },
+            GroundKind::Slope { .. } => Spot { height: at.y * self.lean.0, normal: self.lean.1, holds: true },
             GroundKind::Stairs { rise, tread, count } => {
                 let climbed = if at.y < FIRST { 0.0 } else { ((at.y - FIRST) / tread).floor() + 1.0 };
                 level(rise * climbed.min(f64::from(count)))
