@@ -13,11 +13,11 @@ use std::ops::Range;
 /// The chain of nodes that carries a few points.
 #[derive(Clone, Debug)]
 pub(super) struct Chain {
-    base: DAffine3,                   // scenario space from the document's world
-    new_root: [Option<usize>; 2],     // tracks: translation, rotation
-    links: Vec<Link>,                 // parents first
-    points: Vec<(usize, DVec3)>,      // set after set; link, point in its node
-    ends: Vec<usize>,                 // of each set, in them
+    base: DAffine3,               // scenario space from the document's world
+    new_root: [Option<usize>; 2], // tracks: translation, rotation
+    links: Vec<Link>,             // parents first
+    points: Vec<(usize, DVec3)>,  // set after set; link, point in its node
+    ends: Vec<usize>,             // of each set, in them
 }
 
 /// The sets of a foot's chain, in the order of the enumeration.
@@ -67,7 +67,13 @@ impl Chain {
         track: TrackOf,
         new_root: [Option<usize>; 2],
     ) -> Chain {
-        let mut chain = Chain { base: rig.scenario_from_document(), new_root, links: Vec::new(), points: Vec::new(), ends: Vec::new() };
+        let mut chain = Chain {
+            base: rig.scenario_from_document(),
+            new_root,
+            links: Vec::new(),
+            points: Vec::new(),
+            ends: Vec::new(),
+        };
         for set in sets {
             for (joint, offset) in set {
                 let node = node_of(rig, *joint);

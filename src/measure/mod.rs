@@ -180,7 +180,7 @@ pub struct Track<'a> {
     pub scuffs: &'a [Scuff],
     /// Whether it is asked to walk where the motion ends.
     pub goes: bool,
-    positions: Vec<DVec3>,       // (samples x joints), sample-major
+    positions: Vec<DVec3>,        // (samples x joints), sample-major
     touched: Vec<scuff::Touched>, // (scuffs)
 }
 
@@ -196,7 +196,16 @@ impl<'a> Track<'a> {
             pose.positions_into(motion.body, &mut one);
             positions.extend_from_slice(&one);
         }
-        Some(Track { motion, terrain: None, loads: &[], crouched: 0.0, scuffs: &[], goes: false, positions, touched: Vec::new() })
+        Some(Track {
+            motion,
+            terrain: None,
+            loads: &[],
+            crouched: 0.0,
+            scuffs: &[],
+            goes: false,
+            positions,
+            touched: Vec::new(),
+        })
     }
 
     /// The same over a ground that is known.

@@ -39,7 +39,7 @@ pub struct Terrain {
     /// Coulomb coefficient.
     pub friction: f64,
     waves: [Wave; WAVES],
-    tilt: DQuat,         // of a platform that is held still
+    tilt: DQuat,        // of a platform that is held still
     lean: (f64, DVec3), // of a slope: m a metre by which it rises, unit normal
 }
 
@@ -107,9 +107,7 @@ impl Terrain {
             }
         }
         let lean = match ground.kind {
-            GroundKind::Slope { angle } => {
-                (real::tan(angle), DVec3::new(0.0, real::cos(angle), -real::sin(angle)))
-            }
+            GroundKind::Slope { angle } => (real::tan(angle), DVec3::new(0.0, real::cos(angle), -real::sin(angle))),
             _ => (0.0, DVec3::Y),
         };
         Terrain { kind: ground.kind.clone(), friction: ground.friction, waves, tilt: DQuat::IDENTITY, lean }
