@@ -1,7 +1,7 @@
 //! Loads a baked clip with Bevy's glTF loader, plays it at 60 Hz without a window and compares the events that arrive with the sidecar's:
 //!   cargo run -- FOLDER NAME.glb
 //! FOLDER holds NAME.glb, NAME.events.json and surefoot_bevy.rs as `surefoot bake --engine bevy` writes them; the helper is compiled
-//! from target/engines. Twice: once to the end, once with a loop.
+//! from target/made/engines, where .ci/run puts them. Twice: once to the end, once with a loop.
 
 use bevy::animation::graph::{AnimationGraph, AnimationGraphHandle};
 use bevy::animation::{AnimationPlayer, AnimationPlugin, RepeatAnimation};
@@ -15,7 +15,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 use surefoot_bevy::{SurefootContact, SurefootEvent, SurefootPlugin};
 
-#[path = "../../../../target/engines/surefoot_bevy.rs"]
+#[path = "../../../../target/made/engines/surefoot_bevy.rs"]
 mod surefoot_bevy;
 
 /// s, of a frame.
