@@ -88,16 +88,6 @@ fn stands_as_told(baked: &Baked, scenario: &Scenario) -> bool {
 
 /// The stepper's clip of that scenario, or the ragdoll's where that is better.
 pub fn choose(stepper: Baked, rig: &Rig, scenario: &Scenario, options: &BakeOptions, helped: Helped) -> Baked {
-    choose_of(stepper, || bake_by(rig, scenario, options, Drive::Ragdoll(helped)), scenario, options)
-}
-
-/// The same where the ragdoll's clip is made by `ragdoll`, if it is needed.
-pub fn choose_of(
-    stepper: Baked,
-    ragdoll: impl FnOnce() -> Result<Baked, BakeError>,
-    scenario: &Scenario,
-    options: &BakeOptions,
-) -> Baked {
     let unplayed = unplayed(scenario, options.base.as_deref());
     if !unplayed.is_empty() {
         return stepper.chosen(format!("the ragdoll cannot play {} yet", unplayed.join(", ")), None);
@@ -106,7 +96,7 @@ pub fn choose_of(
         return stepper
             .chosen(format!("its clip stands, and no other is needed from a plausibility of {PLAUSIBLE} on"), None);
     }
-    better(stepper, ragdoll(), scenario)
+    better(stepper, bake_by(rig, scenario, options, Drive::Ragdoll(helped)), scenario)
 }
 
 /// The better of two clips.
