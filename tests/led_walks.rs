@@ -294,6 +294,26 @@ fn platforms_that_tilt_are_walked_turned_and_stood_on() {
 }
 
 #[test]
+fn who_has_narrow_hips_is_not_told_that_his_legs_come_near_each_other() {
+    // Third-party skeletons whose hips' joints are 106 mm apart, on legs of 0.84 m: they stand so.
+    let rigs = rigs(&["vrm_tiny_basic_armature.vrm", "vrm_tiny_basic_armature_vrm1.vrm"]);
+    let cases: Vec<_> = rigs.iter().flat_map(|rig| (0..3).map(move |index| (rig, index))).collect();
+    let walked: Vec<_> = cases
+        .into_par_iter()
+        .map(|((name, rig), index)| {
+            let speed = Seed::new(0x4A2205 ^ (index << 8) ^ name.len() as u64).between(0.25, 1.2);
+            let text = format!("title = \"walk\"\nduration = 8.0\n[[walk]]\nstart = 0.5\nspeed = {speed:.2}\n");
+            (format!("{name} at {speed:.2} m/s"), baked(rig, &text, index).report.plausibility)
+        })
+        .collect();
+    for (name, found) in walked {
+        println!("{name}: legs {:.0} mm, score {:.2}", found.legs_mm, found.score);
+        let told = found.notes.iter().any(|note| note.contains("legs come within"));
+        assert!(found.score > 0.9 && !told, "{name}: {:.2}, {:?}", found.score, found.notes);
+    }
+}
+
+#[test]
 fn nobody_limps_who_walks_straight_ahead() {
     let rigs = rigs(&["gdquest_mannequiny.glb", "m2m_rig_human.glb"]);
     let cases: Vec<_> =

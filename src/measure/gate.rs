@@ -36,7 +36,7 @@ pub enum Hindrance {
     },
     /// The legs are in each other.
     Legs {
-        /// m at the reference leg, how near their axes come.
+        /// m, how near their axes come.
         distance: f64,
         /// s, when.
         time: f64,
@@ -48,11 +48,11 @@ pub fn gate(found: &Findings) -> Vec<Hindrance> {
     let hover = Hindrance::Hover { seconds: found.hover.longest, time: found.hover.time };
     let (weights, time) = found.residual_kept_up;
     let force = Hindrance::Force { weights, time };
-    let distance = found.legs.least / found.leg_scale;
+    let (distance, apart) = (found.legs.least, found.legs.apart());
     let legs = Hindrance::Legs { distance, time: found.legs.time };
     // What is no number hinders too.
     let within =
-        [found.hover.longest <= LONGEST_HOVER + 1e-9, weights <= MOST_RESIDUAL + 1e-9, distance >= LEAST_LEGS - 1e-9];
+        [found.hover.longest <= LONGEST_HOVER + 1e-9, weights <= MOST_RESIDUAL + 1e-9, apart >= LEAST_LEGS - 1e-9];
     [hover, force, legs].into_iter().zip(within).filter(|(_, within)| !within).map(|(why, _)| why).collect()
 }
 
@@ -76,6 +76,7 @@ impl std::fmt::Display for Hindrance {
 mod tests {
     use super::super::{HeldContact, KnownPush, PushPoint, fixture, measure};
     use super::*;
+    use crate::maths::real;
     use crate::model::{Role, Side};
     use glam::{DQuat, DVec3};
 
@@ -120,27 +121,23 @@ mod tests {
 
     #[test]
     fn legs_pass_down_to_6_cm_of_the_reference_leg() {
+        // The left leg, which hangs 0.20 m beside the right one, leans inwards.
         let near = |gap: f64, scale: f64| {
             let mut body = fixture::body();
-            let shift = 0.5 * (0.20 - gap);
-            for joint in &mut body.joints {
-                let legs = [Role::LeftUpperLeg, Role::LeftLowerLeg, Role::LeftFoot, Role::LeftToes];
-                let left = legs.contains(&joint.role);
-                if left || legs.map(Role::mirrored).contains(&joint.role) {
-                    joint.rest.x -= if left { shift } else { -shift };
-                }
-                joint.rest *= scale;
-            }
+            body.joints.iter_mut().for_each(|joint| joint.rest *= scale);
             body.leg_length = 0.83 * scale;
-            let poses = fixture::poses(&body, 120, |_, _| {});
+            let hip = body.joint(Role::LeftUpperLeg).expect("a leg");
+            let lean = DQuat::from_rotation_z(-real::asin((0.20 - gap) / 0.82));
+            let poses = fixture::poses(&body, 120, |pose, _| (hip..hip + 4).for_each(|joint| pose.turns[joint] = lean));
             gate(&measure(fixture::motion(&body, &poses), &fixture::standing(), &[], 1.0).expect("sound"))
         };
         for scale in [1.0, 0.5] {
             assert_eq!(near(0.061, scale), []);
             let found = near(0.059, scale);
             let [Hindrance::Legs { distance, .. }] = found[..] else { panic!("{found:?}") };
-            assert!((distance - 0.059).abs() < 1e-9, "{found:?}");
-            assert_eq!(found[0].to_string(), "the legs come within 5.9 cm of each other at 0.00 s");
+            assert!((distance - 0.059 * scale).abs() < 1e-9, "{found:?}");
+            let told = format!("the legs come within {:.1} cm of each other at 0.00 s", 100.0 * distance);
+            assert_eq!(found[0].to_string(), told);
         }
     }
 

@@ -8,6 +8,12 @@ use super::feet::segment_distance;
 use crate::model::{Body, Role, Side};
 use glam::DVec3;
 
+/// m at the reference leg of 0.83 m: a body whose hips are nearer to each other has its legs as much nearer, and thinner. Rigs that are
+/// built as people are have 0.16 to 0.2.
+const HIPS: f64 = 0.15;
+/// Share of what the legs' length says that [`size`] says at least.
+const NARROWEST: f64 = 0.2;
+
 /// The least distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Legs {
@@ -15,18 +21,35 @@ pub struct Legs {
     pub least: f64,
     /// s, when that is.
     pub time: f64,
+    /// [`size`] of the body.
+    pub size: f64,
+}
+
+impl Legs {
+    /// m at the reference leg.
+    pub fn apart(&self) -> f64 {
+        self.least / self.size
+    }
+}
+
+/// Times a person's of 0.83 m of leg, how far apart the body's legs are in a stand and a walk: as long as they are, or as far apart as its
+/// hips are where that is less.
+pub fn size(body: &Body) -> f64 {
+    let [left, right] = Side::BOTH.map(|side| body.joints[chain(body, side)[0]].rest);
+    let long = body.leg_length / 0.83;
+    long.min((left.distance(right) / HIPS).max(NARROWEST * long))
 }
 
 /// Looks at every sample.
 pub fn legs(track: &Track) -> Legs {
     let chains = Side::BOTH.map(|side| chain(track.motion.body, side));
-    let mut found = Legs { least: f64::INFINITY, time: 0.0 };
+    let mut found = Legs { least: f64::INFINITY, time: 0.0, size: size(track.motion.body) };
     for sample in 0..track.len() {
         let positions = track.positions(sample);
         let [left, right] = chains.each_ref().map(|chain| chain.map(|joint| positions[joint]));
         let least = distance(&left, &right);
         if least < found.least {
-            found = Legs { least, time: track.motion.time(sample) };
+            found = Legs { least, time: track.motion.time(sample), ..found };
         }
     }
     found
@@ -79,6 +102,32 @@ mod tests {
             across.least < expected + 1e-9 && across.least > 0.9 * expected && expected < 0.07,
             "{across:?}, {expected}"
         );
+    }
+
+    #[test]
+    fn who_stands_on_narrow_hips_has_his_legs_far_enough_apart() {
+        let standing = |apart: f64| {
+            let mut body = fixture::body();
+            let legs = [Role::LeftUpperLeg, Role::LeftLowerLeg, Role::LeftFoot, Role::LeftToes];
+            for joint in &mut body.joints {
+                let (left, right) = (legs.contains(&joint.role), legs.map(Role::mirrored).contains(&joint.role));
+                joint.rest.x += (f64::from(u8::from(left)) - f64::from(u8::from(right))) * 0.5 * (apart - 0.20);
+            }
+            let poses = fixture::poses(&body, 5, |_, _| {});
+            legs_of(&body, &poses)
+        };
+        let long = fixture::body().leg_length / 0.83;
+        for apart in [0.1, 0.06] {
+            let found = standing(apart);
+            assert!((found.least - apart).abs() < 1e-9 && (found.apart() - HIPS).abs() < 1e-9, "{found:?}");
+        }
+        assert_eq!(standing(0.16).size, long, "people's legs are measured by their length");
+        let none = standing(0.0);
+        assert!(none.apart().abs() < 1e-9 && none.size > 0.0, "{none:?}");
+    }
+
+    fn legs_of(body: &Body, poses: &[crate::model::BodyPose]) -> Legs {
+        legs(&Track::new(fixture::motion(body, poses)).expect("sound"))
     }
 
     #[test]

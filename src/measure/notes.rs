@@ -104,12 +104,11 @@ impl Findings {
     fn posture(&self, notes: &mut Vec<String>) {
         // Thighs and shanks all the time, shanks and feet while one swings: a toe may pass nearer than a calf.
         let (swing, legs) = (&self.feet, &self.legs);
-        let nearest =
-            if swing.least_leg_distance < SWING_APART * self.leg_scale && swing.least_leg_distance < legs.least {
-                Some((swing.least_leg_distance, swing.least_leg_time))
-            } else {
-                Some((legs.least, legs.time)).filter(|(least, _)| *least < LEGS_APART * self.leg_scale)
-            };
+        let nearest = if swing.least_leg_distance < SWING_APART * legs.size && swing.least_leg_distance < legs.least {
+            Some((swing.least_leg_distance, swing.least_leg_time))
+        } else {
+            Some((legs.least, legs.time)).filter(|(least, _)| *least < LEGS_APART * legs.size)
+        };
         if let Some((least, time)) = nearest {
             notes.push(format!("the legs come within {:.0} mm of each other at {time:.2} s", 1000.0 * least));
         }

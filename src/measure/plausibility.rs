@@ -195,7 +195,7 @@ impl Findings {
             speed_beyond: self.speed.map_or(0.0, |gain| gain.beyond()),
             hover_s: self.hover.total,
             hover_longest_s: self.hover.longest,
-            legs_mm: 1000.0 * self.legs.least / self.leg_scale,
+            legs_mm: 1000.0 * self.legs.apart(),
             joint_excess_deg: self.joints.excesses.iter().map(|excess| excess.by.to_degrees()).fold(0.0, f64::max),
             joint_excess_share: self.moving.share(&self.joints.beyond),
             pops: self.joints.pops.len() as u32,

@@ -245,7 +245,8 @@ pub struct Plausibility {
     /// s, the longest of them at a stretch.
     #[serde(default)]
     pub hover_longest_s: f64,
-    /// mm at the reference leg of 0.83 m: the nearest that the axes of thigh or shank of the two legs come.
+    /// mm at the reference leg of 0.83 m, or at hips 0.15 m apart where the body's are narrower: the nearest that the axes of thigh or shank of
+    /// the two legs come.
     #[serde(default)]
     pub legs_mm: f64,
     /// Degrees, the farthest that a joint is beyond its range.

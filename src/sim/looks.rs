@@ -33,7 +33,7 @@ pub(super) struct Looks {
     hover: f64,
     /// s, the longest in the air.
     longest: f64,
-    /// m at legs of 0.83 m, the nearest that the legs came to each other.
+    /// m at legs of 0.83 m ([`legs::size`]), the nearest that the legs came to each other.
     nearest: f64,
     /// m at such legs, how far feet slid.
     slid: f64,
@@ -64,7 +64,7 @@ impl Looks {
         let size = course.figure.leg_length / 0.83;
         let states = run.control.states();
         let [left, right] = course.figure.legs.map(|leg| leg.map(|link| states[link].origin));
-        self.nearest = self.nearest.min(legs::distance(&left, &right) / size);
+        self.nearest = self.nearest.min(legs::distance(&left, &right) / legs::size(course.body));
         self.leaned = self.leaned.max((states[course.figure.trunk].turn * DVec3::Y).angle_between(DVec3::Y));
         let soles = Side::BOTH.map(|side| course.figure.sole_at(states, side).to_vec());
         if let Some((when, ground, before)) = &self.before {
