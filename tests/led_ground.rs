@@ -17,8 +17,13 @@ use surefoot::rig::Rig;
 
 /// Bakes that scenario with joint torques alone.
 pub fn baked(rig: &Rig, text: &str, seed: u64) -> Baked {
+    baked_with(rig, text, seed, BakeOptions::default().effort)
+}
+
+/// The same, looking ahead with that effort.
+pub fn baked_with(rig: &Rig, text: &str, seed: u64, effort: u8) -> Baked {
     let scenario = scenario_text::parse("led", text).unwrap_or_else(|errors| panic!("{errors:?}\n{text}"));
-    bake(rig, &scenario, &BakeOptions { seed: Some(seed), ..by_torques() }).expect("it bakes")
+    bake(rig, &scenario, &BakeOptions { seed: Some(seed), effort, ..by_torques() }).expect("it bakes")
 }
 
 fn by_torques() -> BakeOptions {

@@ -128,11 +128,6 @@ impl Terrain {
         matches!(self.kind, GroundKind::Stairs { .. })
     }
 
-    /// Is it stairs that go down?
-    pub fn is_flight_down(&self) -> bool {
-        matches!(self.kind, GroundKind::Stairs { rise, .. } if rise < 0.0)
-    }
-
     /// m, from where to where, along z, the tread reaches that has that z, or the ground between two gaps that is nearest to it; `None` where
     /// there is no such thing.
     pub fn floor(&self, z: f64) -> Option<[f64; 2]> {

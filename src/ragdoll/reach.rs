@@ -141,9 +141,9 @@ impl Controller {
         let heel = self.guide.and_then(|guide| guide.heel).filter(|(foot, pitch)| *foot == side && *pitch > 0.0);
         // Toes stay where they are as the heel rises.
         let stiff = figure.stiff_sole(side).len();
-        // Uphill alone. Elsewhere the law's constants were found with heels that rise square to the body: with hinges a walk over gaps falls, and
-        // 7 of 20 down flights.
-        let hinge = stiff < POINTS && self.on_balls() > 0.0 && !terrain.is_flight_down();
+        // Uphill and down flights. Elsewhere the law's constants were found with heels that rise square to the body: with hinges a walk over
+        // gaps falls.
+        let hinge = stiff < POINTS && self.on_balls() > 0.0;
         let across =
             if hinge { level * figure.heel_axis(side) } else { DQuat::from_rotation_y(yaw_of(state.turn)) * DVec3::X };
         let raised = heel.map_or(level, |(_, pitch)| DQuat::from_axis_angle(across, pitch) * level);

@@ -1,7 +1,8 @@
 //! Down flights of stairs and high kerbs by a body of links, one tread at a time: what is not as on the way up ([`super::climb`]).
 //!
-//! The knee of the foot that stays bends by more than its ankle's range, so its heel comes off and its ball alone bears. That ball stands
-//! at the edge, the toes over it, and ξ is over it before; then the body goes ahead and down until the other foot stands on the tread below.
+//! The knee of the foot that stays bends by more than its ankle's range, so its heel comes off about its toes' hinge and its ball alone bears.
+//! That ball stands at the edge, the toes over it, and ξ is ahead of it before the other foot leaves: nothing bears behind the ball then. The
+//! body goes ahead and down until the other foot stands on the tread below.
 //! Scenario space, metres, seconds.
 
 use super::climb::{EDGE, ROOM, STRIDE, floor, tread};
@@ -14,26 +15,29 @@ use glam::DVec2;
 /// m of the reference body: so far behind the edge is the ball of a foot from which the other one goes down, and so far from there it may be.
 /// Nearer, a foot that creeps hangs over the edge on which it turns, farther off, legs of 0.83 and 1.08 m do not reach the tread below.
 const BRINK: [f64; 2] = [0.02, 0.03];
-/// m of the reference body: behind the ball of a foot whose heel may rise the pressure is at most so far.
-const BEHIND: f64 = 0.02;
+/// m of the reference body: so far ahead of that ball ξ is held before the other foot leaves.
+const AHEAD: f64 = 0.018;
 /// m of the reference body: a foot that is farther behind comes beside the other before it goes down.
-const TRAILS: f64 = 0.2;
+const TRAILS: f64 = 0.25;
 /// m of the reference body, between feet of which neither is behind.
-const LEVEL: f64 = 0.02;
+const LEVEL: f64 = 0.025;
+/// Share of the height of the next tread by which both knees bend before a foot leaves for it, and s of the reference body that they take:
+/// from straight knees the foot leaves late, while the body sinks.
+const BENDS: [f64; 2] = [0.08, 0.4];
 /// Share of a leg's length with which the foot reaches the tread below, and shares of the swing in which the body sinks so far: from when on,
 /// and in how much of it.
-const LEG: f64 = 0.97;
+const LEG: f64 = 1.0;
 /// As [`LEG`] says.
-const SINKS: [f64; 2] = [0.107, 0.842];
+const SINKS: [f64; 2] = [0.12, 0.915];
 /// m of the reference body: while the ball behind bears, the pressure is so near to the line from there to over the other foot; and of that
 /// line's length, how far along it at most.
-const ASIDE: f64 = 0.08;
+const ASIDE: f64 = 0.1;
 /// As [`ASIDE`] says.
 const ALONG: f64 = 1.15;
 /// m, m/s of the reference body: the foot behind leaves when ξ is so far inside the sole of the other one and the body is no faster.
 const INSIDE: f64 = 0.022;
 /// As [`INSIDE`] says.
-const CALM: f64 = 0.3;
+const CALM: f64 = 0.6;
 
 /// m, from the ankle to the ball.
 fn ball(params: &Params, physique: &Physique) -> f64 {
@@ -92,18 +96,33 @@ pub fn sinks(state: &State, swing: &Swing) -> bool {
     state.feet[swing.side.other() as usize].ankle.y > swing.to.ankle.y + EDGE
 }
 
-/// m, (x, z): the ball of a foot, where it stands at the edge and the other one is to go down from beside it.
+/// m, (x, z): ahead of the ball of a foot, where it stands at the edge and the other one is to go down from beside it. It does not change while
+/// that one is on its way there.
 pub fn over(params: &Params, physique: &Physique, terrain: &Terrain, state: &State, side: Side) -> Option<DVec2> {
     let foot = &state.feet[side as usize];
-    let steps = !above(state, side.other()) && !trails(params, state, side.other());
-    let at = ground(foot.ankle) + support::forward(foot.yaw) * ball(params, physique);
+    let steps = match &state.swing {
+        Some(swing) => sinks(state, swing),
+        None => !above(state, side.other()) && !trails(params, state, side.other()),
+    };
+    let at = ground(foot.ankle) + support::forward(foot.yaw) * (ball(params, physique) + AHEAD * params.size);
     (steps && at_brink(params, physique, terrain, foot)).then_some(at)
 }
 
-/// The pressure under a foot whose heel may rise: from behind its ball to the edge.
+/// Is ξ over the ball from which the other foot goes down, where that is held at `over`, m along the way?
+pub fn ahead(params: &Params, state: &State, over: f64) -> bool {
+    state.xi().y > over - AHEAD * params.size
+}
+
+/// Share of the way from one place to another, m along it, that ξ has come. A foot that goes down leaves a ball behind from which the pressure
+/// pushes along the line to ξ: ξ goes aside no farther than it has come ahead.
+pub fn came(state: &State, from: f64, to: f64) -> f64 {
+    ((state.xi().y - from) / (to - from).max(EDGE)).clamp(0.0, 1.0)
+}
+
+/// The pressure under a foot whose heel may rise: from its ball to the edge.
 pub fn on_ball(params: &Params, physique: &Physique, terrain: &Terrain, foot: &Plant, pressure: DVec2) -> DVec2 {
     let sole = Support::one(params, physique, foot, Tread::Whole, 0.5 * params.margin).nearest(pressure);
-    let low = foot.ankle.z + ball(params, physique) - BEHIND * params.size;
+    let low = foot.ankle.z + ball(params, physique);
     let edge = tread(terrain, physique, foot)[1];
     DVec2::new(sole.x, pressure.y.clamp(low, (foot.ankle.z + physique.tip).min(edge).max(low)))
 }
@@ -139,5 +158,11 @@ pub fn height(physique: &Physique, state: &State, swing: &Swing, hip: f64) -> f6
     let goal = ascend::reaches(physique, &swing.to, LEG, hip);
     let share = (state.time - swing.lift) / (swing.land - swing.lift);
     let stance = state.feet[swing.side.other() as usize].ankle.y;
-    stance + (goal.min(stance) - stance) * smooth3((share - SINKS[0]) / SINKS[1])
+    let from = stance - BENDS[0] * (stance - swing.to.ankle.y);
+    from + (goal.min(from) - from) * smooth3((share - SINKS[0]) / SINKS[1])
+}
+
+/// m, by how much both knees are bent, s after both feet came to stand, before a foot goes down by that height, m.
+pub fn bends(params: &Params, stood: f64, drop: f64) -> f64 {
+    BENDS[0] * drop * smooth3(stood / (BENDS[1] * params.tempo))
 }
